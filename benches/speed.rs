@@ -179,7 +179,11 @@ fn counting() {
 fn page_of_a_step(n: u64) -> Page {
     let cell = Cell::new(i32::try_from(n % 500).unwrap_or(0), 0);
     let facts = [Fact::Mark(cell, Mark::Visited), Fact::Pose(Pose { cell, heading: Heading::East })];
-    Page { first: Seq(2 * n + 1), entries: facts.into_iter().map(|fact| Entry { wall: WallTime::default(), fact }).collect() }
+    Page {
+        first: Seq(2 * n + 1),
+        entries: facts.into_iter().map(|fact| Entry { wall: WallTime::default(), fact }).collect(),
+        kept_back: None,
+    }
 }
 
 /// CPU of a program without requests, in percent of one core over five seconds.

@@ -60,7 +60,7 @@ fn records(folder: &Path) {
     let mut word = store.word();
     let times = (0..RECORDS as u64).map(|n| {
         let start = Instant::now();
-        store.record(Page { first: Seq(3 * n + 1), entries: vec![pose(n), pose(n + 1), pose(n + 2)] }, 0);
+        store.record(Page { first: Seq(3 * n + 1), entries: vec![pose(n), pose(n + 1), pose(n + 2)], kept_back: None }, 0);
         until(&mut word, Seq(3 * n + 3));
         start.elapsed()
     });
@@ -74,7 +74,7 @@ fn long_journal(folder: &Path) {
     let Opened { mut store, .. } = sqlite::open(&data, None).expect("the folder is ours");
     let mut word = store.word();
     for first in (1..LONG).step_by(1000) {
-        store.record(Page { first: Seq(first), entries: (first..first + 1000).map(pose).collect() }, 0);
+        store.record(Page { first: Seq(first), entries: (first..first + 1000).map(pose).collect(), kept_back: None }, 0);
         if first % 64_000 == 1 {
             until(&mut word, Seq(first));
         }
@@ -88,7 +88,10 @@ fn long_journal(folder: &Path) {
     let mut store = opened.store;
     let mut word = store.word();
     let standing = Fact::State(Box::new(PersistentState::first(Strategy::Snail)));
-    store.record(Page { first: Seq(LONG + 1), entries: vec![Entry { wall: WallTime::default(), fact: standing }] }, 0);
+    store.record(
+        Page { first: Seq(LONG + 1), entries: vec![Entry { wall: WallTime::default(), fact: standing }], kept_back: None },
+        0,
+    );
     until(&mut word, Seq(LONG + 1));
     drop(store);
     let start = Instant::now();

@@ -103,7 +103,9 @@ async fn serve_hall(
     let kept = DataFolder::open(settings, &mut robots, entry::unusable(settings), notes)?;
     // The keys are opened last, when nothing else can prevent the start. So a key that is created is also shown to
     // the user.
-    let Opened { http: access, mqtt: mqtt_access, entry } = entry::access(settings)?;
+    let opened = entry::access(settings)?;
+    entry::check_judges(settings, &opened)?;
+    let Opened { http: access, mqtt: mqtt_access, entry } = opened;
     let halter = Halter::new(kept.epoch());
     let reader = ArchiveReader::new(Arc::clone(&kept.archive));
     let Venue { name: hall, cell_m, is_reckoned, robots: team, .. } = robots.venue();

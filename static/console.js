@@ -262,7 +262,7 @@ async function send(form, fields, button) {
     const said = await answer.json();
     if (answer.status === 401) signIn("command");
     else if (!answer.ok) tell(why, said.detail ?? say("console-refused", { status: answer.status }));
-    else accepted(form, button, said.revision);
+    else accepted(form, button, said);
   } catch (error) {
     tell(why, say(error.name === "TimeoutError" ? "console-silent" : "console-cut"));
   } finally {
@@ -272,10 +272,11 @@ async function send(form, fields, button) {
 }
 
 /** What was refused before is history, and what was typed has been sent. What is said beside STOP is not this script's. */
-function accepted(form, button, revision) {
+function accepted(form, button, { revision, keptBack, luggage }) {
   for (const place of document.querySelectorAll(".why:not(:empty, #why-stop)")) place.textContent = "";
   for (const select of form.querySelectorAll("select")) delete select.dataset.touched;
   if (form.querySelector("input:not([type=hidden])")) form.reset();
+  if (keptBack) tell(form.dataset.why, say("console-kept-back", { id: luggage.id }));
   answered = { button, revision };
   if (Number(at("revision").textContent) >= revision) goOn();
 }
@@ -320,8 +321,11 @@ function ask({ dataset, form }) {
   inner.dataset.why = dataset.why;
   inner.elements.id.value = dataset.id ?? "";
   inner.elements.id.disabled = !dataset.id;
-  inner.elements.note.value = form?.elements.note?.value ?? "";
-  inner.elements.note.disabled = !inner.elements.note.value;
+  for (const name of ["note", "hidden", "obvious", "typical"]) {
+    const field = inner.elements[name];
+    field.value = form?.elements[name]?.value ?? "";
+    field.disabled = !field.value;
+  }
   dialog.dataset.id = dataset.id ?? "";
   at("confirm-question").textContent = dataset.question;
   at("confirm-consequence").textContent = dataset.consequence;

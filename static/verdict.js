@@ -27,7 +27,14 @@
     else button.click();
   }
 
-  const keys = { f: enlarge, "?": list };
+  /** Goes to the next answer to a question about the piece; after the last one, to none. */
+  function answer(question) {
+    const answers = [...inspect().querySelectorAll(`[data-question="${question}"] input`)];
+    const next = answers.findIndex((one) => one.checked) + 1;
+    for (const [n, one] of answers.entries()) one.checked = n === next && !one.matches(":disabled");
+  }
+
+  const keys = { f: enlarge, "?": list, 1: () => answer("hidden"), 2: () => answer("obvious"), 3: () => answer("typical") };
 
   document.addEventListener("keydown", (event) => {
     const { key, repeat, ctrlKey, altKey, metaKey, shiftKey, target } = event;

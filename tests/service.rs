@@ -32,6 +32,8 @@ mod halls;
 mod http_attacks;
 #[path = "service/journal.rs"]
 mod journal;
+#[path = "service/judges.rs"]
+mod judges;
 #[path = "service/kill.rs"]
 mod kill;
 #[path = "service/last_word.rs"]

@@ -11,6 +11,7 @@ use hallsweep_core::snapshot::Snapshot;
 /// Answer to an accepted command, as `{"accepted":true,"revision":812,"epoch":4}`. If the command concerned a piece,
 /// the answer also has its record.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
 pub struct AnswerJson {
     /// Always true; a refused command is answered with a `Problem`.
     pub accepted: bool,
@@ -21,6 +22,9 @@ pub struct AnswerJson {
     /// Record of the piece that the command concerned.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub luggage: Option<LuggageJson>,
+    /// Whether the command was a *safe* that is kept back until another judge has answered; absent otherwise.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub kept_back: bool,
 }
 
 impl AnswerJson {
@@ -33,6 +37,7 @@ impl AnswerJson {
             revision: accepted.revision.0,
             epoch: accepted.epoch.0,
             luggage: luggage.map(|luggage| LuggageJson::from(&**luggage)),
+            kept_back: accepted.is_kept_back,
         }
     }
 }

@@ -9,7 +9,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use super::fields::{Body, BodyFields, Unread, in_short, needed};
 use super::halt::is_halt;
 use super::vocabulary;
-use hallsweep_core::command::{Command, CommandId, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
+use hallsweep_core::command::{Command, CommandId, Hot, HotAnswer, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
 use hallsweep_core::units::{Cell, Celsius, Epoch, LuggageId};
 use hallsweep_core::words::is_visible;
 use hallsweep_core::world::hall_map::REACH;
@@ -72,6 +72,15 @@ pub struct VerdictBody {
     /// Remark on the piece, in one line of visible characters.
     #[schemars(length(max = Note::MOST), regex(pattern = VISIBLE))]
     note: Option<String>,
+    /// Is the piece hidden?
+    #[schemars(with = "Option<vocabulary::HotAnswer>")]
+    hidden: Option<String>,
+    /// Is the piece obviously suspicious?
+    #[schemars(with = "Option<vocabulary::HotAnswer>")]
+    obvious: Option<String>,
+    /// Is the piece typical of this place?
+    #[schemars(with = "Option<vocabulary::HotAnswer>")]
+    typical: Option<String>,
 }
 
 /// Report of the temperature: `{"celsius":21.5}`, `{"celsius":21.5,"sensor":"roof"}` or `{"status":"ok"}`.
@@ -171,11 +180,12 @@ impl Body for GotoBody {
 }
 
 impl Body for VerdictBody {
-    const FIELDS: &'static [&'static str] = &["verdict", "note"];
+    const FIELDS: &'static [&'static str] = &["verdict", "note", "hidden", "obvious", "typical"];
 
     fn taken(fields: &BodyFields) -> Result<VerdictBody, Unusable> {
         let verdict = needed(fields.text("verdict")?, "verdict", "{\"verdict\":\"safe\"}")?;
-        Ok(VerdictBody { verdict, note: fields.text("note")? })
+        let [hidden, obvious, typical] = ["hidden", "obvious", "typical"].map(|question| fields.text(question));
+        Ok(VerdictBody { verdict, note: fields.text("note")?, hidden: hidden?, obvious: obvious?, typical: typical? })
     }
 }
 
@@ -222,7 +232,13 @@ impl GotoBody {
 impl VerdictBody {
     pub fn command(&self, luggage: LuggageRef) -> Result<Command, Unusable> {
         let note = self.note.as_deref().map(note).transpose()?.flatten();
-        Ok(Command::Verdict { luggage, verdict: self.verdict()?, note })
+        let answer = |question: &str, given: &Option<String>| hot_answer(question, given.as_deref());
+        let hot = Hot {
+            hidden: answer("hidden", &self.hidden)?,
+            obvious: answer("obvious", &self.obvious)?,
+            typical: answer("typical", &self.typical)?,
+        };
+        Ok(Command::Verdict { luggage, verdict: self.verdict()?, note, hot })
     }
 
     fn verdict(&self) -> Result<Verdict, Unusable> {
@@ -287,6 +303,14 @@ pub fn note(text: &str) -> Result<Option<Note>, Unusable> {
         return Err(Unusable(format!("the note has the invisible character {hidden:?}: write one line of visible characters")));
     }
     Ok(Note::new(text))
+}
+
+/// Reads the answer to one of the three questions about a piece; `None` if it was not answered.
+pub fn hot_answer(question: &str, given: Option<&str>) -> Result<Option<HotAnswer>, Unusable> {
+    let known = |answer: &str| HotAnswer::ALL.into_iter().find(|known| known.name() == answer);
+    let wrong =
+        |answer: &str| Unusable(format!("{:?} is no answer: {question} is \"yes\", \"no\" or \"cannotSay\"", in_short(answer)));
+    given.map(|answer| known(answer).ok_or_else(|| wrong(answer))).transpose()
 }
 
 /// The error message for a command id that cannot be used, or that a request contains more than once. `place` is the

@@ -6,8 +6,9 @@ use serde::Serialize;
 use super::robot::PositionJson;
 use super::time::rfc3339;
 use super::vocabulary;
+use hallsweep_core::command::{Hot, HotAnswer};
 use hallsweep_core::units::LuggageId;
-use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
+use hallsweep_core::world::luggage::{Decision, Judgement, Luggage, PhotoState};
 
 /// Record of a piece of luggage.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -30,6 +31,9 @@ pub struct LuggageJson {
     pub photo: PhotoJson,
     /// Decision on the piece; null while the verdict is pending.
     pub decided: Option<DecisionJson>,
+    /// Answers of other judges, which were kept back until the verdict; absent if there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub judged: Vec<JudgementJson>,
     /// Time at which the piece was put into the container, RFC 3339 with zone; null while the piece is in the hall.
     pub secured: Option<String>,
 }
@@ -59,6 +63,35 @@ pub struct DecisionJson {
     pub at: String,
     /// Remark of the operator, or null.
     pub note: Option<String>,
+    #[serde(flatten)]
+    pub hot: HotJson,
+}
+
+/// Answers to the three questions about a piece; a question that was not answered is absent.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct HotJson {
+    /// Is the piece hidden?
+    #[schemars(with = "Option<vocabulary::HotAnswer>")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub hidden: Option<&'static str>,
+    /// Is the piece obviously suspicious?
+    #[schemars(with = "Option<vocabulary::HotAnswer>")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub obvious: Option<&'static str>,
+    /// Is the piece typical of this place?
+    #[schemars(with = "Option<vocabulary::HotAnswer>")]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub typical: Option<&'static str>,
+}
+
+/// Answer of one of two judges, which was kept back until the verdict.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct JudgementJson {
+    /// Answer: `safe` or `danger`.
+    #[schemars(with = "vocabulary::VerdictWord")]
+    pub verdict: &'static str,
+    #[serde(flatten)]
+    pub decided: DecisionJson,
 }
 
 /// Address of the newest photo of a piece; `None` if the photo failed. The address changes with every photo, so that
@@ -86,6 +119,7 @@ impl From<&Luggage> for LuggageJson {
             taken: rfc3339(luggage.taken),
             photo: photo(luggage),
             decided: luggage.verdict.as_ref().map(DecisionJson::from),
+            judged: luggage.judged.iter().map(JudgementJson::from).collect(),
             secured: luggage.secured.map(rfc3339),
         }
     }
@@ -94,7 +128,22 @@ impl From<&Luggage> for LuggageJson {
 impl From<&Decision> for DecisionJson {
     fn from(decision: &Decision) -> DecisionJson {
         let note = decision.note.as_ref().map(|note| note.text().to_owned());
-        DecisionJson { by: decision.who.to_string(), at: rfc3339(decision.wall), note }
+        DecisionJson { by: decision.who.to_string(), at: rfc3339(decision.wall), note, hot: decision.hot.into() }
+    }
+}
+
+impl From<Hot> for HotJson {
+    fn from(hot: Hot) -> HotJson {
+        let [hidden, obvious, typical] = hot.answers().map(|(_, answer)| answer.map(HotAnswer::name));
+        HotJson { hidden, obvious, typical }
+    }
+}
+
+impl From<&Judgement> for JudgementJson {
+    fn from(Judgement { verdict, issuer, note, hot, wall, .. }: &Judgement) -> JudgementJson {
+        let note = note.as_ref().map(|note| note.text().to_owned());
+        let decided = DecisionJson { by: issuer.who.to_string(), at: rfc3339(*wall), note, hot: (*hot).into() };
+        JudgementJson { verdict: verdict.name(), decided }
     }
 }
 

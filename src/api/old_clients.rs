@@ -4,7 +4,7 @@
 
 use super::command::move_word;
 use super::fields::Unusable;
-use hallsweep_core::command::{Command, LuggageRef, TemperatureReport, Verdict};
+use hallsweep_core::command::{Command, Hot, LuggageRef, TemperatureReport, Verdict};
 use hallsweep_core::refused::Refused;
 
 #[derive(Debug)]
@@ -32,8 +32,9 @@ pub struct OldCommandRow {
     pub messages: &'static [&'static str],
 }
 
-pub const SAFE: Command = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None };
-pub const DANGER: Command = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Danger, note: None };
+pub const SAFE: Command = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None, hot: Hot::NONE };
+pub const DANGER: Command =
+    Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Danger, note: None, hot: Hot::NONE };
 
 const MOVES: &[&str] = &["w", "s", "a", "l", "d", "r", "h", "z", "x"];
 

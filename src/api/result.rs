@@ -21,7 +21,7 @@ mod tests {
 
     #[test]
     fn a_result_has_the_fields_of_what_is_said_and_the_name() {
-        let said = AnswerJson { accepted: true, revision: 812, epoch: 4, luggage: None };
+        let said = AnswerJson { accepted: true, revision: 812, epoch: 4, luggage: None, kept_back: false };
         let written = |id| serde_json::to_string(&ResultJson { id, said: said.clone() }).unwrap();
         assert_eq!(written(Some("k7")), r#"{"id":"k7","accepted":true,"revision":812,"epoch":4}"#);
         assert_eq!(written(None), r#"{"accepted":true,"revision":812,"epoch":4}"#);

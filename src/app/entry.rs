@@ -1,9 +1,11 @@
 //! Who may use the doors: everybody on this machine, or everybody who has a key. The command line tells users how to
 //! sign in.
 
-use crate::access::{Access, AccessError, KeyFile, Keyring, Token};
+use super::AppError;
+use crate::access::{Access, AccessError, KeyFile, Keyring, Role, Token};
 use crate::config::{Broker, HttpSettings, Settings};
 use crate::doors::http::{Front, Tls, TlsError};
+use hallsweep_core::settings::SafeBy;
 
 #[derive(Debug)]
 pub enum FirstAccess {
@@ -34,6 +36,24 @@ pub(super) fn access(settings: &Settings) -> Result<Opened, AccessError> {
     let (keys, entry) = keys(settings)?;
     let access = |asks| if asks { keys.clone() } else { Access::Open };
     Ok(Opened { http: access(settings.http.asks_for_keys), mqtt: access(mqtt_asks), entry })
+}
+
+/// Checks that two judges are possible if a *safe* needs two: a door requires keys, and two operators have one. Without
+/// a readable file of keys nobody can judge anyway, and the start says so.
+pub(super) fn check_judges(settings: &Settings, opened: &Opened) -> Result<(), AppError> {
+    let keys = [&opened.http, &opened.mqtt].into_iter().find_map(|access| match access {
+        Access::Keys(keyring) => Some(keyring),
+        Access::Open => None,
+    });
+    if settings.core.rules.safe_by == SafeBy::One || keys.is_some_and(Keyring::is_unusable) {
+        return Ok(());
+    }
+    let operators = keys.map(|keys| keys.keys().iter().filter(|key| key.role == Role::Operator).count());
+    match operators {
+        None => Err(AppError::NoKeysForJudges),
+        Some(count @ ..2) => Err(AppError::TooFewJudges(count)),
+        Some(_) => Ok(()),
+    }
 }
 
 fn mqtt_asks(settings: &Settings) -> bool {

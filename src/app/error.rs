@@ -53,6 +53,16 @@ pub enum AppError {
     Emulator(#[from] EmulatorError),
     #[error(transparent)]
     Access(#[from] AccessError),
+    #[error(
+        "mission.safe_by is 2, but no door requires keys, so two judges cannot be told apart: set http.require_token = true, or \
+         write mission.safe_by = 1"
+    )]
+    NoKeysForJudges,
+    #[error(
+        "mission.safe_by is 2, but the number of operators' keys is {0}: add a key with `hallsweep token add NAME --role \
+         operator`, or write mission.safe_by = 1"
+    )]
+    TooFewJudges(usize),
     #[error(transparent)]
     Tls(#[from] TlsError),
     #[error(transparent)]

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use hallsweep_core::settings::SafeBy;
 use tokio::sync::{mpsc, watch};
 use tokio::task::JoinHandle;
 
@@ -39,6 +40,7 @@ struct Common {
     handle: Handle,
     archive: ArchiveReader,
     manual_driving: bool,
+    safe_by: SafeBy,
     ending: watch::Receiver<bool>,
 }
 
@@ -58,7 +60,8 @@ impl Mqtt {
         let MqttSettings { broker, prefix, id, old_prefix, home_assistant } = &settings.mqtt;
         let topics = Topics::new(prefix, id, old_prefix);
         let (home_assistant, manual_driving) = (*home_assistant, settings.old_clients.manual_driving);
-        let common = Common { topics, home_assistant, handle, archive, manual_driving, ending };
+        let safe_by = settings.core.rules.safe_by;
+        let common = Common { topics, home_assistant, handle, archive, manual_driving, safe_by, ending };
         match broker {
             None => Ok(None),
             Some(config::Broker::Own { router, .. }) => Ok(Some(own(common, listeners, *router, threads, budget, access))),
@@ -82,7 +85,7 @@ impl Mqtt {
 
 impl Common {
     fn commands(&self, answers: mpsc::Sender<ResultMessage>) -> Commands {
-        Commands::new(self.handle.clone(), self.topics.clone(), self.manual_driving, answers)
+        Commands::new(self.handle.clone(), self.topics.clone(), self.manual_driving, answers).with_judges(self.safe_by)
     }
 
     fn shutdown(&self) -> impl Future<Output = ()> + use<> {

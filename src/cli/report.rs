@@ -139,12 +139,13 @@ mod tests {
 
     fn said(verdict: Verdict) -> Fact {
         let (issuer, luggage) = (Issuer::operator(Door("http")), LuggageId(1));
-        let asked = Asked::Command(Command::Verdict { luggage: LuggageRef::Id(luggage), verdict, note: None });
+        let asked =
+            Asked::Command(Command::Verdict { luggage: LuggageRef::Id(luggage), verdict, note: None, hot: Default::default() });
         Fact::Command { issuer, id: None, asked, epoch: None, luggage: Some(luggage), refused: None }
     }
 
     fn verdict(verdict: Verdict) -> Fact {
-        Fact::Verdict { luggage: LuggageId(1), verdict, who: "anna".into(), note: None }
+        Fact::Verdict { luggage: LuggageId(1), verdict, who: "anna".into(), note: None, hot: Default::default() }
     }
 
     fn page_of(report: &Report<'_>) -> String {
@@ -161,7 +162,7 @@ mod tests {
         let runtime = tokio::runtime::Builder::new_current_thread().build().unwrap();
         let mut keep = |first, facts: Vec<Fact>| {
             let entries = facts.into_iter().map(|fact| Entry { wall: WallTime::default(), fact }).collect();
-            let page = Page { first: Seq(first), entries };
+            let page = Page { first: Seq(first), entries, kept_back: None };
             let last = page.last();
             opened.store.record(page, 0);
             runtime.block_on(opened.store.word().wait_for(|word| word.kept >= last)).map(drop).unwrap();
@@ -175,6 +176,7 @@ mod tests {
             first_taken: WallTime::default(),
             photo: PhotoState::Failed("dark".to_owned()),
             verdict: None,
+            judged: Vec::new(),
             piece: None,
             secured: None,
             clock_set_ms: 0,

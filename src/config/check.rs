@@ -21,7 +21,7 @@ use hallsweep_core::command::{Strategy, TemperatureReport};
 use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::search::Objective;
 use hallsweep_core::search::costs::Costs;
-use hallsweep_core::settings::{AfterDanger, Rules, Settings as CoreSettings};
+use hallsweep_core::settings::{AfterDanger, HotRule, Rules, SafeBy, Settings as CoreSettings};
 use hallsweep_core::units::Celsius;
 
 /// Maximum number of required temperature sensors. The core remembers 64 sources of temperatures, and the
@@ -169,7 +169,22 @@ fn rules(layers: &Layers) -> Result<Rules, SettingsError> {
     Ok(Rules {
         after_danger: one_of(layers, key, &AfterDanger::ALL, AfterDanger::name, "there is no such rule")?,
         keep_out_m: number(layers, "mission.keep_out_m")?,
+        safe_by: safe_by(layers)?,
+        hot: one_of(layers, "mission.hot", &HotRule::ALL, HotRule::name, "there is no such rule")?,
     })
+}
+
+/// How many judges a *safe* needs. Two are possible only where the answer of the first can be kept back: at somebody
+/// else's broker, and with rumqttd as the router, everybody who subscribes can read every command.
+fn safe_by(layers: &Layers) -> Result<SafeBy, SettingsError> {
+    let key = "mission.safe_by";
+    let safe_by = if count(layers, key)? == 2 { SafeBy::Two } else { SafeBy::One };
+    let is_set = |name: &str, usual: &str| read::<String>(layers, name).map(|value| value != usual);
+    if safe_by == SafeBy::Two && (is_set("mqtt.broker", "")? || is_set("mqtt.router", "own")?) {
+        let problem = "everybody at that MQTT broker could read the answer of the first judge";
+        return Err(layers.wrong_with_advice(key, problem, "write 1; or use hallsweep's own broker with its own router"));
+    }
+    Ok(safe_by)
 }
 
 /// Which robot fetches luggage. The simulated pair is in the simulator's hall, so the pair cannot fetch if the

@@ -173,6 +173,7 @@ fn large_hall() -> Vec<Entry> {
             first_taken: taken,
             photo,
             verdict: None,
+            judged: Vec::new(),
             piece: None,
             secured: None,
             clock_set_ms: 0,
@@ -182,7 +183,7 @@ fn large_hall() -> Vec<Entry> {
         let verdict = if id % 5 == 0 { Verdict::Danger } else { Verdict::Safe };
         let note = (id % 10 == 0).then(|| Note::new("wires & battery")).flatten();
         if id % 3 != 0 {
-            entries.push(at(step + 9, Fact::Verdict { luggage, verdict, who: "anna".into(), note }));
+            entries.push(at(step + 9, Fact::Verdict { luggage, verdict, who: "anna".into(), note, hot: Default::default() }));
         }
     }
     entries.push(at(100, Fact::Secured(LuggageId(5))));

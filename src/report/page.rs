@@ -229,6 +229,13 @@ struct Piece<'r> {
     side: Option<f64>,
 }
 
+/// What the judges of a piece have answered, beside the verdict.
+#[derive(Template)]
+#[template(path = "report/judges.html")]
+struct Judges {
+    said: Vec<String>,
+}
+
 struct Picture {
     take: u32,
     media_type: &'static str,
@@ -257,6 +264,10 @@ fn pieces(report: &Report<'_>, state: Option<&PersistentState>, out: &mut dyn Wr
             PhotoState::Failed(why) => vec![Err(language.say("report-photo-failed").with("why", why).to_string())],
         };
         part(out, &Piece { report, language, luggage, photos, side })?;
+        let said: Vec<String> = language.judges(luggage).into_iter().map(|said| format!("#{}: {said}", luggage.id)).collect();
+        if !said.is_empty() {
+            part(out, &Judges { said })?;
+        }
     }
     Ok(())
 }

@@ -271,6 +271,7 @@ fn piece(id: u64, bytes: usize) -> Entry {
         first_taken: WallTime::default(),
         photo: PhotoState::Taken { bytes, take: 1 },
         verdict: None,
+        judged: Vec::new(),
         piece: None,
         secured: None,
         clock_set_ms: 0,

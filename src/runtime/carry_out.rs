@@ -95,7 +95,7 @@ mod tests {
     }
 
     fn accepted(revision: u64) -> Result<Accepted, Refused> {
-        Ok(Accepted { revision: Revision(revision), epoch: Epoch(0), luggage: None })
+        Ok(Accepted { revision: Revision(revision), epoch: Epoch(0), luggage: None, is_kept_back: false })
     }
 
     fn start() -> Request {

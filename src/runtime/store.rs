@@ -16,6 +16,8 @@ pub struct StoreStatus {
     /// How often writing has failed. Each failure loses all pages that are not stored yet, and all later pages whose
     /// sender did not know of the failure. Once the store writes again, the core records the present state anew.
     pub losses: u64,
+    /// Number of the last list of answers that was stored. The core keeps these answers back from everybody else.
+    pub kept_back: u64,
 }
 
 /// Stores pages for good, each whole or not at all. The trait is object-safe, because two stores implement it: one in

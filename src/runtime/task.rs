@@ -47,6 +47,8 @@ pub struct Task {
     store_failed: bool,
     /// Number of the store's losses that were reported to the core.
     losses: u64,
+    /// Number of the last list of answers that was reported to the core as stored.
+    kept_back: u64,
     is_ending: bool,
     figures: Figures,
     handed: HandedPages,
@@ -94,6 +96,7 @@ impl Task {
             refusals: VecDeque::new(),
             store_failed: false,
             losses: 0,
+            kept_back: 0,
             is_ending: false,
             figures,
             handed,
@@ -236,7 +239,10 @@ impl Task {
     }
 
     fn answer(&self, WaitingSender { answer, since }: WaitingSender, given: Decision) {
-        self.figures.answered(self.clock.since_start().saturating_sub(since));
+        // A count would tell that somebody has answered.
+        if !given.as_ref().is_ok_and(|accepted| accepted.is_kept_back) {
+            self.figures.answered(self.clock.since_start().saturating_sub(since));
+        }
         // The sender may have gone away. The command was carried out or refused all the same.
         let _ = answer.send(given);
     }
@@ -293,8 +299,12 @@ impl Task {
         let now = self.now();
         let word = self.word.borrow_and_update().clone();
         self.count_kept(&word, now.since_start);
-        let StoreStatus { kept, failure, losses } = word;
+        let StoreStatus { kept, failure, losses, kept_back } = word;
         self.engine.handle_event(Event::Recorded(kept), now);
+        if kept_back > self.kept_back {
+            self.kept_back = kept_back;
+            self.engine.handle_event(Event::KeptBack(kept_back), now);
+        }
         if losses > self.losses || (failure.is_some() && !self.store_failed) {
             (self.losses, self.store_failed) = (losses, true);
             let words = failure.as_deref().unwrap_or("writing failed for a moment").to_owned();

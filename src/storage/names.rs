@@ -25,6 +25,7 @@ names! {
     HALLS = "halls";
     HEAD = "journal.head";
     JOURNAL = "journal.db";
+    KEPT_BACK = "kept-back.json";
     LOCK = "journal.lock";
     LOG = "journal.db-wal";
     LOG_INDEX = "journal.db-shm";

@@ -154,6 +154,7 @@ fn outcome(taken: Taken, said: &[String]) -> String {
     let taken = match taken {
         Taken::NotACommand => "not a command",
         Taken::Taken => "taken",
+        Taken::InConfidence => "in confidence",
         Taken::Forbidden => "forbidden",
     };
     format!("{taken}\n{}", said.join("\n"))

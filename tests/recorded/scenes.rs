@@ -90,7 +90,15 @@ impl Scene {
             Scene::Inspecting | Scene::WithoutPhoto => inspected(&app),
             Scene::BombLocated | Scene::Fetching | Scene::Secured => {
                 inspected(&app);
-                given(&app, Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Danger, note: None });
+                given(
+                    &app,
+                    Command::Verdict {
+                        luggage: LuggageRef::Pending,
+                        verdict: Verdict::Danger,
+                        note: None,
+                        hot: Default::default(),
+                    },
+                );
                 app.until(|state| state.mission.phase == PhaseName::BombLocated);
                 self.fetch(&app);
             }

@@ -146,7 +146,7 @@ impl Inside {
         if !entries.is_empty() {
             let first = Seq(self.kept as u64 + 1);
             self.kept += entries.len();
-            self.memory.record(Page { first, entries }, 0);
+            self.memory.record(Page { first, entries, kept_back: None }, 0);
         }
         let state = self.run.state();
         self.publish.send_replace(state);

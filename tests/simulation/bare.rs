@@ -147,7 +147,7 @@ impl Bare {
     }
 
     pub(crate) fn verdict(&mut self, verdict: Verdict) -> Result<Ticket, Refused> {
-        self.give(Command::Verdict { luggage: LuggageRef::Id(LuggageId(1)), verdict, note: None })
+        self.give(Command::Verdict { luggage: LuggageRef::Id(LuggageId(1)), verdict, note: None, hot: Default::default() })
     }
 
     /// Answer to an accepted command, if there is one yet.

@@ -27,6 +27,7 @@ mod rules_crossings;
 mod rules_driving;
 mod rules_going_on;
 mod rules_holds;
+mod rules_judges;
 mod rules_luggage;
 mod rules_phases;
 mod rules_record;

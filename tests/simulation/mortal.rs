@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use hallsweep_core::command::{Accepted, Command, Door, Issuer, Request, Strategy};
-use hallsweep_core::effect::{Effect, Page};
+use hallsweep_core::effect::{Effect, KeptBack, Page};
 use hallsweep_core::engine::{Engine, Recalled};
 use hallsweep_core::event::Event;
 use hallsweep_core::not_fetched::Fetcher;
@@ -17,6 +17,7 @@ use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{Now, Seq, Ticket, WallTime};
+use hallsweep_core::world::luggage::Judgement;
 use hallsweep_sim::{BodyPose, Hall, Sim, SimMemory, SimSettings};
 
 pub(crate) struct Mortal {
@@ -30,6 +31,8 @@ pub(crate) struct Mortal {
     memory: Option<SimMemory>,
     hall: Arc<Hall>,
     strategy: Strategy,
+    /// Answers of judges on the disk, apart from the journal.
+    pub(crate) kept_back: Vec<Judgement>,
     /// Settings that the next start reads.
     rules: Settings,
     settings: SimSettings,
@@ -49,6 +52,7 @@ impl Mortal {
             engine: Engine::new(rules, strategy, "mortal".into()),
             sim: Sim::new(Arc::clone(&hall), settings),
             disk: Vec::new(),
+            kept_back: Vec::new(),
             on_the_way: VecDeque::new(),
             answers: BTreeMap::new(),
             memory: None,
@@ -66,7 +70,10 @@ impl Mortal {
     /// the disk, although nobody was told.
     pub(crate) fn killed(mut self, durable: usize) -> Mortal {
         let durable = durable.min(self.on_the_way.len());
-        self.disk.extend(self.on_the_way.drain(..durable).flat_map(|page| page.entries));
+        for page in self.on_the_way.drain(..durable) {
+            self.disk.extend(page.entries);
+            self.kept_back = page.kept_back.map_or(self.kept_back, |kept_back| kept_back.answers);
+        }
         let now = Now { since_start: Duration::ZERO, wall: self.now.wall };
         let sim = match self.memory {
             Some(memory) => Sim::remembering(Arc::clone(&self.hall), self.settings, memory),
@@ -84,7 +91,7 @@ impl Mortal {
         self.disk.iter().for_each(|entry| state.apply(entry));
         let named = |entry: &&Entry| matches!(entry.fact, Fact::Command { id: Some(_), .. });
         let commands = self.disk.iter().filter(named).cloned().collect();
-        Recalled { state, written: Seq(self.disk.len() as u64), commands, latest: Vec::new() }
+        Recalled { state, written: Seq(self.disk.len() as u64), commands, kept_back: self.kept_back.clone(), latest: Vec::new() }
     }
 
     pub(crate) fn give(&mut self, command: Command) -> Result<Ticket, Refused> {
@@ -104,6 +111,10 @@ impl Mortal {
         self.disk.extend(page.entries);
         assert_eq!(last, Seq(self.disk.len() as u64), "the journal has no gaps");
         self.engine.handle_event(Event::Recorded(last), self.now);
+        if let Some(KeptBack { number, answers }) = page.kept_back {
+            self.kept_back = answers;
+            self.engine.handle_event(Event::KeptBack(number), self.now);
+        }
         self.settle();
         true
     }

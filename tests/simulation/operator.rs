@@ -59,7 +59,7 @@ pub(crate) trait Operator {
 
 impl Operator for Run {
     fn verdict(&mut self, id: u64, verdict: Verdict) -> Result<Accepted, Refused> {
-        self.give(Command::Verdict { luggage: LuggageRef::Id(LuggageId(id)), verdict, note: None })
+        self.give(Command::Verdict { luggage: LuggageRef::Id(LuggageId(id)), verdict, note: None, hot: Default::default() })
     }
 
     fn drive(&mut self, step: Move) -> Result<Accepted, Refused> {

@@ -79,7 +79,7 @@ fn any_command(dice: &mut RandomStream, pending: u64) -> Command {
         0..=5 => Command::Start,
         6 => Command::Stop,
         7 => Command::BackHome,
-        8 | 9 => Command::Verdict { luggage: LuggageRef::Id(LuggageId(pending)), verdict, note: None },
+        8 | 9 => Command::Verdict { luggage: LuggageRef::Id(LuggageId(pending)), verdict, note: None, hot: Default::default() },
         10 => Command::Temperature(if dice.below(2) == 0 { TemperatureReport::TooHigh } else { TemperatureReport::Ok }),
         11 => Command::Goto(Cell::new(dice.below(10) as i32, dice.below(10) as i32)),
         12 => Command::RetakePhoto(LuggageId(pending)),
@@ -112,7 +112,7 @@ impl Seen {
     fn look(&mut self, mortal: &mut Mortal) {
         for (ticket, answer) in std::mem::take(&mut mortal.answers) {
             let accepted: Result<_, Refused> = answer;
-            if let (Some(Command::Verdict { luggage: LuggageRef::Id(id), verdict, note: None }), true) =
+            if let (Some(Command::Verdict { luggage: LuggageRef::Id(id), verdict, note: None, hot: _ }), true) =
                 (self.asked.remove(&ticket), accepted.is_ok())
             {
                 self.luggage.insert(id, Some(verdict));
@@ -172,7 +172,14 @@ fn bring_to_the_end(mortal: &mut Mortal, seen: &mut Seen, seed: u64) {
         let waits = state.pending().filter(|luggage| luggage.has_photo()).map(|luggage| luggage.id);
         let held = !state.mission.holds.is_empty() || matches!(state.mission.phase, PhaseName::Idle | PhaseName::AtHome);
         let gave = match waits {
-            Some(id) => mortal.give(Command::Verdict { luggage: LuggageRef::Id(id), verdict: Verdict::Safe, note: None }).is_ok(),
+            Some(id) => mortal
+                .give(Command::Verdict {
+                    luggage: LuggageRef::Id(id),
+                    verdict: Verdict::Safe,
+                    note: None,
+                    hot: Default::default(),
+                })
+                .is_ok(),
             None if state.mission.refusals.retake.is_none() => {
                 mortal.give(Command::RetakePhoto(state.mission.inspected.expect("a photo can be retaken"))).is_ok()
             }

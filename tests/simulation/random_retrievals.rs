@@ -188,7 +188,7 @@ impl Mission {
                     let danger = piece.is_some() && self.dice.happens(keen);
                     bomb = piece.filter(|_| danger);
                     let verdict = if danger { Verdict::Danger } else { Verdict::Safe };
-                    self.must(Command::Verdict { luggage: LuggageRef::Id(id), verdict, note: None });
+                    self.must(Command::Verdict { luggage: LuggageRef::Id(id), verdict, note: None, hot: Default::default() });
                     self.wait(MOST_DISK_MS);
                 }
                 (_, PhaseName::BombLocated | PhaseName::Explored) if self.trio().is_quiet() => return bomb,

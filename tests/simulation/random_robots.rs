@@ -52,8 +52,8 @@ fn any_command(dice: &mut RandomStream) -> Command {
         0..=4 => Command::Start,
         5 => Command::Stop,
         6 => Command::BackHome,
-        7 | 8 => Command::Verdict { luggage, verdict: Verdict::Safe, note: None },
-        9 => Command::Verdict { luggage, verdict: Verdict::Danger, note: None },
+        7 | 8 => Command::Verdict { luggage, verdict: Verdict::Safe, note: None, hot: Default::default() },
+        9 => Command::Verdict { luggage, verdict: Verdict::Danger, note: None, hot: Default::default() },
         10 => Command::Goto(Cell::new(dice.below(6) as i32, dice.below(6) as i32)),
         11 => Command::Move(Move::Forward),
         12 => match dice.below(3) {

@@ -44,7 +44,8 @@ fn locate(run: &mut Run, bomb: Piece) -> bool {
             (Some((id, piece)), _) => {
                 found |= piece == bomb;
                 let verdict = if piece == bomb { Verdict::Danger } else { Verdict::Safe };
-                run.give(Command::Verdict { luggage: LuggageRef::Id(id), verdict, note: None }).expect("it is asked about");
+                run.give(Command::Verdict { luggage: LuggageRef::Id(id), verdict, note: None, hot: Default::default() })
+                    .expect("it is asked about");
             }
             (None, PhaseName::BombLocated | PhaseName::Explored) => return found,
             (None, _) => assert!(run.advance(), "nothing happens any more in {:?}", state.mission),

@@ -50,7 +50,7 @@ fn locate(mortal: &mut Mortal, is_bomb: impl Fn(&Snapshot) -> bool) -> bool {
             (Some(piece), _) => {
                 let verdict = if is_bomb(&state) { Verdict::Danger } else { Verdict::Safe };
                 mortal
-                    .give(Command::Verdict { luggage: LuggageRef::Id(piece.id), verdict, note: None })
+                    .give(Command::Verdict { luggage: LuggageRef::Id(piece.id), verdict, note: None, hot: Default::default() })
                     .expect("it is asked about");
             }
             (None, PhaseName::BombLocated) => return true,

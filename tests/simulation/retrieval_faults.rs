@@ -72,7 +72,10 @@ fn sent(mut trio: Trio) -> Trio {
     must(&mut trio, Command::Start);
     until(&mut trio, "a photo", |_, state| state.pending().is_some_and(|piece| piece.has_photo()));
     let piece = trio.state().pending().expect("it is there").id;
-    must(&mut trio, Command::Verdict { luggage: LuggageRef::Id(piece), verdict: Verdict::Danger, note: None });
+    must(
+        &mut trio,
+        Command::Verdict { luggage: LuggageRef::Id(piece), verdict: Verdict::Danger, note: None, hot: Default::default() },
+    );
     until(&mut trio, "discovery is home", |trio, state| state.mission.phase == PhaseName::BombLocated && trio.is_quiet());
     must(&mut trio, Command::Retrieve(None));
     trio
@@ -213,7 +216,7 @@ fn a_piece_that_was_recorded_without_an_identity_is_fetched_from_where_it_stands
         let (id, cell) = trio.state().pending().map(|piece| (piece.id, piece.cell)).expect("it is there");
         let bomb = Some(trio.truth(cell)).and_then(|truth| if let Truth::Luggage(piece) = truth { Some(piece) } else { None });
         let verdict = if bomb.is_some() { Verdict::Danger } else { Verdict::Safe };
-        must(&mut trio, Command::Verdict { luggage: LuggageRef::Id(id), verdict, note: None });
+        must(&mut trio, Command::Verdict { luggage: LuggageRef::Id(id), verdict, note: None, hot: Default::default() });
         if let Some(bomb) = bomb {
             break bomb;
         }

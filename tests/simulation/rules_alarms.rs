@@ -21,7 +21,7 @@ use crate::bare::Bare;
 
 /// Program that starts with this state.
 fn reborn(state: PersistentState) -> Bare {
-    let recalled = Recalled { state, written: Seq(1000), commands: Vec::new(), latest: Vec::new() };
+    let recalled = Recalled { state, written: Seq(1000), commands: Vec::new(), kept_back: Vec::new(), latest: Vec::new() };
     let mut bare = Bare::unlinked();
     bare.engine = Engine::recall(Settings::default(), "reborn".into(), recalled, Now::default());
     bare.link_up();
@@ -203,7 +203,7 @@ fn exactly_1024_commands_are_remembered() {
 #[test]
 fn killed_at_rest_it_is_not_off_centre() {
     let off_centre = |state| {
-        let recalled = Recalled { state, written: Seq(1000), commands: Vec::new(), latest: Vec::new() };
+        let recalled = Recalled { state, written: Seq(1000), commands: Vec::new(), kept_back: Vec::new(), latest: Vec::new() };
         Engine::recall(Settings::default(), Arc::from("reborn"), recalled, Now::default()).snapshot().robot.off_centre
     };
     let inspecting = Bare::at_a_bag().engine.persistent_state();

@@ -25,7 +25,7 @@ fn by(who: &str, id: &str, command: Command) -> Request {
 }
 
 fn verdict(verdict: Verdict) -> Command {
-    Command::Verdict { luggage: LuggageRef::Id(LuggageId(1)), verdict, note: None }
+    Command::Verdict { luggage: LuggageRef::Id(LuggageId(1)), verdict, note: None, hot: Default::default() }
 }
 
 #[test]
@@ -142,7 +142,12 @@ fn of_two_verdicts_at_the_same_moment_one_wins_and_the_other_is_told_so() {
 /// Safety V1: the note is as final as the verdict.
 #[test]
 fn an_equal_verdict_that_comes_later_does_not_change_the_note() {
-    let noted = |verdict, note| Command::Verdict { luggage: LuggageRef::Id(LuggageId(1)), verdict, note: Note::new(note) };
+    let noted = |verdict, note| Command::Verdict {
+        luggage: LuggageRef::Id(LuggageId(1)),
+        verdict,
+        note: Note::new(note),
+        hot: Default::default(),
+    };
     for (early, late, stands) in [
         (Verdict::Safe, Verdict::Safe, "early"),
         (Verdict::Danger, Verdict::Danger, "early"),

@@ -23,7 +23,7 @@ const THREE_BAGS: &[&str] = &["S.....", "......", "..a...", "......", "....b.", 
 
 fn begun(rows: &[&str], after_danger: AfterDanger, keep_out_m: f64, pair: bool) -> Run {
     let hall = Arc::new(Hall::from_rows("drawn", rows).expect("the tests draw sound halls"));
-    let settings = Settings { rules: Rules { after_danger, keep_out_m }, ..Settings::default() };
+    let settings = Settings { rules: Rules { after_danger, keep_out_m, ..Rules::default() }, ..Settings::default() };
     let sim = SimSettings { sonar_noise_cm: 0.0, ..SimSettings::new(1, Camera::Stub) };
     let mut run = if pair {
         let pair = PairSettings { way_out: true, ..PairSettings::new(1, Place::ENTRANCE) };
@@ -160,7 +160,8 @@ fn keeps_out(run: &mut Run, bomb: &BTreeSet<Cell>, seed: u64) {
         if let Some(id) = state.mission.inspected {
             let is_bomb = bomb.contains(&state.luggage(id).expect("it is inspected").cell);
             let verdict = if is_bomb { Verdict::Danger } else { Verdict::Safe };
-            run.give(Command::Verdict { luggage: LuggageRef::Id(id), verdict, note: None }).expect("it waits");
+            run.give(Command::Verdict { luggage: LuggageRef::Id(id), verdict, note: None, hot: Default::default() })
+                .expect("it waits");
         } else {
             assert!(run.advance(), "seed {seed}: nothing happens any more in {:?}", state.mission);
         }

@@ -56,7 +56,7 @@ fn a_piece_is_photographed_from_where_the_sonar_sees_it() {
 #[test]
 fn a_bare_word_means_the_one_pending_piece_and_is_refused_when_there_is_none() {
     let mut run = at_the_bag();
-    let safe = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None };
+    let safe = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None, hot: Default::default() };
     run.give(safe.clone()).unwrap();
     assert_eq!(run.give(safe), Err(Refused::NothingPending));
 }

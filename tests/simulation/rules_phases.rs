@@ -185,7 +185,7 @@ fn a_start_from_before_the_last_stop_is_outdated_and_a_verdict_never_is() {
     let old = |command| Request { epoch: Some(Epoch(0)), ..Request::new(command, Issuer::operator(Door::LOCAL)) };
     assert_eq!(run.ask(old(Command::BackHome)), Err(Refused::Outdated { sent: Epoch(0), now: Epoch(1) }));
     let luggage = hallsweep_core::command::LuggageRef::Pending;
-    run.ask(old(Command::Verdict { luggage, verdict: Verdict::Safe, note: None })).unwrap();
+    run.ask(old(Command::Verdict { luggage, verdict: Verdict::Safe, note: None, hot: Default::default() })).unwrap();
     assert_eq!(run.ask(old(Command::Start)), Err(Refused::Outdated { sent: Epoch(0), now: Epoch(1) }));
 }
 

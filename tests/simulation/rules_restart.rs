@@ -169,8 +169,13 @@ fn a_fault_outlives_the_program_with_what_it_interrupted() {
     bare.give(Command::Start).unwrap();
     bare.wait_in_vain();
     assert_eq!(bare.phase(), PhaseName::Fault);
-    let recalled =
-        Recalled { state: bare.engine.persistent_state(), written: Seq(100), commands: Vec::new(), latest: Vec::new() };
+    let recalled = Recalled {
+        state: bare.engine.persistent_state(),
+        written: Seq(100),
+        commands: Vec::new(),
+        kept_back: Vec::new(),
+        latest: Vec::new(),
+    };
     let mut again = Bare::linked();
     again.engine = Engine::recall(Settings::default(), "reborn".into(), recalled, Now::default());
     assert_eq!(again.phase(), PhaseName::Fault);
@@ -184,7 +189,7 @@ fn a_fault_outlives_the_program_with_what_it_interrupted() {
 #[test]
 fn a_bare_safe_that_comes_again_after_a_restart_decides_no_other_piece() {
     let named = |command| Request { id: CommandId::new("bare"), ..Request::new(command, Issuer::operator(Door("http"))) };
-    let safe = || Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None };
+    let safe = || Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None, hot: Default::default() };
     let mut mortal = Mortal::born(hall("airport"), SimSettings::new(1, Camera::Stub));
     mortal.give(Command::Start).unwrap();
     let first = until_pending(&mut mortal);
@@ -216,7 +221,14 @@ fn a_danger_on_record_alarms_after_a_restart_although_nobody_was_told_before() {
     let mut mortal = Mortal::born(hall("seed"), SimSettings::new(1, Camera::Stub));
     mortal.give(Command::Start).unwrap();
     let pending = until_pending(&mut mortal);
-    mortal.give(Command::Verdict { luggage: LuggageRef::Id(pending), verdict: Verdict::Danger, note: None }).unwrap();
+    mortal
+        .give(Command::Verdict {
+            luggage: LuggageRef::Id(pending),
+            verdict: Verdict::Danger,
+            note: None,
+            hot: Default::default(),
+        })
+        .unwrap();
     let mut mortal = mortal.killed(1);
     assert!(mortal.state().luggage(pending).unwrap().is_dangerous(), "that is on record");
     mortal.keep_all();
@@ -236,7 +248,14 @@ fn a_danger_after_which_the_search_goes_on_is_carried_out_once() {
         let mut mortal = Mortal::searching_by(Strategy::Auto, settings, hall("seed"), SimSettings::new(1, Camera::Stub));
         mortal.give(Command::Start).unwrap();
         let pending = until_pending(&mut mortal);
-        mortal.give(Command::Verdict { luggage: LuggageRef::Id(pending), verdict: Verdict::Danger, note: None }).unwrap();
+        mortal
+            .give(Command::Verdict {
+                luggage: LuggageRef::Id(pending),
+                verdict: Verdict::Danger,
+                note: None,
+                hot: Default::default(),
+            })
+            .unwrap();
         for _ in 0..told {
             mortal.keep_one();
         }
@@ -278,7 +297,12 @@ fn in_another_hall_everything_begins_anew_but_the_numbers() {
     while mortal.state().mission.phase != PhaseName::Explored {
         mortal.keep_all();
         match mortal.state().pending().map(|luggage| luggage.id) {
-            Some(id) => drop(mortal.give(Command::Verdict { luggage: LuggageRef::Id(id), verdict: Verdict::Safe, note: None })),
+            Some(id) => drop(mortal.give(Command::Verdict {
+                luggage: LuggageRef::Id(id),
+                verdict: Verdict::Safe,
+                note: None,
+                hot: Default::default(),
+            })),
             None => drop(mortal.advance()),
         }
     }

@@ -227,7 +227,7 @@ impl Trio {
     fn recalled(&self) -> Recalled {
         let mut state = PersistentState::first(Default::default());
         self.disk.iter().for_each(|entry| state.apply(entry));
-        Recalled { state, written: Seq(self.disk.len() as u64), commands: Vec::new(), latest: Vec::new() }
+        Recalled { state, written: Seq(self.disk.len() as u64), commands: Vec::new(), kept_back: Vec::new(), latest: Vec::new() }
     }
 
     pub(crate) fn give(&mut self, command: Command) -> Result<Ticket, Refused> {

@@ -309,7 +309,13 @@ fn after_a_restart_each_robot_is_where_it_was_and_none_moves() {
     assert_eq!(pair.journal.iter().filter(told).count(), 1);
     let mut state = PersistentState::first(Strategy::Snail);
     pair.journal.iter().for_each(|entry| state.apply(entry));
-    let recalled = Recalled { state, written: Seq(pair.journal.len() as u64), commands: Vec::new(), latest: Vec::new() };
+    let recalled = Recalled {
+        state,
+        written: Seq(pair.journal.len() as u64),
+        commands: Vec::new(),
+        kept_back: Vec::new(),
+        latest: Vec::new(),
+    };
     let mut engine = Engine::recall(Settings::default(), "again".into(), recalled, pair.now);
     engine.add_robot(porter(), pair.now);
     let shown = engine.snapshot().robots.iter().find(|shown| shown.id == porter()).unwrap().clone();

@@ -9,6 +9,7 @@ use crate::refused::Refused;
 use crate::robot::{Part, RobotId};
 use crate::state::fact::Entry;
 use crate::units::{Epoch, OrderId, Pose, Seq, Ticket, WallTime};
+use crate::world::luggage::Judgement;
 
 #[derive(Clone, Debug, PartialEq)]
 pub enum Effect {
@@ -16,7 +17,8 @@ pub enum Effect {
     Order(RobotId, Order),
     Halt(RobotId),
     Led(RobotId, bool),
-    /// Store these entries durably, then report `Event::Recorded` with the last entry.
+    /// Store these entries durably, then report `Event::Recorded` with the last entry. If the page has answers that are
+    /// kept back, report `Event::KeptBack` with their number, too.
     Record(Page),
     Answer(Ticket, Result<Accepted, Refused>),
 }
@@ -87,8 +89,19 @@ pub struct Stamp {
 pub struct Page {
     /// The number of the first entry. The other entries follow without a gap.
     pub first: Seq,
-    /// The entries, at least one.
+    /// The entries. Only a page with answers that are kept back may have none.
     pub entries: Vec<Entry>,
+    /// All answers of judges that are kept back from now on, if they have changed. They are stored apart from the
+    /// entries, after them.
+    pub kept_back: Option<KeptBack>,
+}
+
+/// The answers of judges that nobody else may see yet.
+#[derive(Clone, Debug, PartialEq)]
+pub struct KeptBack {
+    /// Number of this list. Each later list has a higher number.
+    pub number: u64,
+    pub answers: Vec<Judgement>,
 }
 
 impl Page {

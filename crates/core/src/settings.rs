@@ -18,12 +18,37 @@ named! {
     }
 }
 
+named! {
+    ALL by name;
+    /// How many judges a verdict of safe needs.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum SafeBy {
+        #[default]
+        One = "1",
+        /// Two senders with different keys. The second does not see the answer of the first.
+        Two = "2",
+    }
+}
+
+named! {
+    ALL by name;
+    /// Whether a verdict of safe needs answers to the three questions about the piece.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+    pub enum HotRule {
+        #[default]
+        Optional = "optional",
+        Required = "required",
+    }
+}
+
 /// The rules of the team that searches. They are recorded, because they may change between missions.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Rules {
     pub after_danger: AfterDanger,
     /// The radius of the keep-out ring round each located bomb, in metres. If 0, there are no rings.
     pub keep_out_m: f64,
+    pub safe_by: SafeBy,
+    pub hot: HotRule,
 }
 
 impl Rules {

@@ -10,7 +10,7 @@ use super::names::{self, Step};
 use super::places::Point;
 use super::{Unparsed, earlier};
 use hallsweep_core::asked::Asked;
-use hallsweep_core::command::{Carries, Command, LuggageRef, TemperatureReport};
+use hallsweep_core::command::{Carries, Command, Hot, LuggageRef, TemperatureReport};
 use hallsweep_core::simulated::{Change, Simulated};
 use hallsweep_core::speed::Speed;
 use hallsweep_core::units::{AlarmId, LuggageId};
@@ -67,10 +67,16 @@ fn of_command(command: &Command) -> Coded {
         Carries::Alarm(id) => Coded::new(code, json!({ "alarm": id.0 })),
         Carries::Move(step) => Coded::new(code, json!({ "step": Step::from(step) })),
         Carries::Cell(cell) => Coded::new(code, json!({ "cell": Point::from(cell) })),
-        Carries::Verdict(luggage, verdict, note) => {
+        Carries::Verdict(luggage, verdict, note, hot) => {
             let luggage = if let LuggageRef::Id(id) = luggage { Some(id.0) } else { None };
             let note = note.map(|note| note.text());
-            Coded::new(code, json!({ "luggage": luggage, "verdict": verdict.name(), "note": note }))
+            let mut fields = json!({ "luggage": luggage, "verdict": verdict.name(), "note": note });
+            for (question, answer) in hot.answers() {
+                if let Some(answer) = answer {
+                    fields[question] = answer.name().into();
+                }
+            }
+            Coded::new(code, fields)
         }
         Carries::Strategy(strategy) => Coded::new(code, json!({ "strategy": strategy.name() })),
         Carries::Temperature(TemperatureReport::Ok) => Coded::bare("temperatureOk"),
@@ -86,6 +92,7 @@ fn of_command(command: &Command) -> Coded {
 
 fn command(coded: &Coded) -> Result<Command, Unparsed> {
     let celsius = || names::celsius(coded.field("celsius")?);
+    let hot_answer = |question| coded.field::<Option<String>>(question)?.map(|answer| names::hot_answer(&answer)).transpose();
     if let Some(bare) = Command::BARE.into_iter().find(|bare| bare.code() == coded.code) {
         return Ok(bare);
     }
@@ -97,6 +104,7 @@ fn command(coded: &Coded) -> Result<Command, Unparsed> {
             luggage: coded.field::<Option<u64>>("luggage")?.map_or(LuggageRef::Pending, |id| LuggageRef::Id(LuggageId(id))),
             verdict: names::verdict(&coded.field::<String>("verdict")?)?,
             note: names::note(coded.field("note")?)?,
+            hot: Hot { hidden: hot_answer("hidden")?, obvious: hot_answer("obvious")?, typical: hot_answer("typical")? },
         },
         "retake" => Command::RetakePhoto(LuggageId(coded.field("luggage")?)),
         "acknowledge" => Command::Acknowledge(AlarmId(coded.field("alarm")?)),

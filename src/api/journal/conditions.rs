@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Unparsed, names};
-use hallsweep_core::settings::{AfterDanger, Rules};
+use hallsweep_core::settings::{AfterDanger, HotRule, Rules, SafeBy};
 use hallsweep_core::state::{Conditions, Participant, Reach, Venue};
 
 /// Minimum and maximum side of a cell, in metres: no hall has smaller or larger cells.
@@ -49,6 +49,12 @@ pub struct ConditionsShape {
     /// Radius of the keep-out rings, in metres; absent if there are none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     keep_out_m: Option<f64>,
+    /// Number of judges that a verdict of safe needs; absent if one judge is enough.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    safe_by: Option<String>,
+    /// Whether the three questions are compulsory: `required`; absent if they are not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    hot: Option<String>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -75,6 +81,8 @@ impl From<&Conditions> for ConditionsShape {
             seed: venue.seed.map(|seed| seed.to_string()),
             after_danger: (rules.after_danger != usual.after_danger).then(|| rules.after_danger.name().to_owned()),
             keep_out_m: Some(rules.keep_out_m).filter(|metres| *metres != usual.keep_out_m),
+            safe_by: (rules.safe_by != usual.safe_by).then(|| rules.safe_by.name().to_owned()),
+            hot: (rules.hot != usual.hot).then(|| rules.hot.name().to_owned()),
         }
     }
 }
@@ -93,7 +101,8 @@ impl From<ParticipantShape> for Participant {
 
 impl ConditionsShape {
     pub(super) fn conditions(self) -> Result<Conditions, Unparsed> {
-        let ConditionsShape { hall, cell_m, threshold, reckoned, reach, robots, seed, after_danger, keep_out_m } = self;
+        let ConditionsShape { hall, cell_m, threshold, reckoned, reach, robots, seed, after_danger, keep_out_m, safe_by, hot } =
+            self;
         let reach = reach.map(|(reachable, free)| Reach { reachable, free });
         if cell_m.is_some_and(|side| !SIDES_M.contains(&side)) {
             return Err(Unparsed("the side of a cell is out of range".to_owned()));
@@ -106,8 +115,10 @@ impl ConditionsShape {
         }
         let seed = seed.map(|digits| digits.parse().map_err(|_| Unparsed("the seed is not a number".to_owned()))).transpose()?;
         let rules = Rules {
-            after_danger: after_danger.map_or(Ok(AfterDanger::default()), |name| after_danger_named(&name))?,
+            after_danger: rule(after_danger, &AfterDanger::ALL, AfterDanger::name)?,
             keep_out_m: keep_out_m.unwrap_or(0.0),
+            safe_by: rule(safe_by, &SafeBy::ALL, SafeBy::name)?,
+            hot: rule(hot, &HotRule::ALL, HotRule::name)?,
         };
         if !RINGS_M.contains(&rules.keep_out_m) {
             return Err(Unparsed("the radius of the keep-out rings is out of range".to_owned()));
@@ -121,8 +132,11 @@ impl ConditionsShape {
     }
 }
 
-fn after_danger_named(name: &str) -> Result<AfterDanger, Unparsed> {
-    AfterDanger::ALL.into_iter().find(|known| known.name() == name).ok_or_else(|| Unparsed(format!("no such rule: {name}")))
+/// Reads the name of a rule. If there is none, the usual rule applied.
+fn rule<T: Copy + Default>(name: Option<String>, all: &[T], name_of: fn(T) -> &'static str) -> Result<T, Unparsed> {
+    let Some(name) = name else { return Ok(T::default()) };
+    let known = all.iter().copied().find(|rule| name_of(*rule) == name);
+    known.ok_or_else(|| Unparsed(format!("{name:?} is no rule that this version knows")))
 }
 
 #[cfg(test)]

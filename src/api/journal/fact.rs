@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::coded::{CodeOrSentence, Coded, Form};
 use super::conditions::ConditionsShape;
-use super::luggage::LuggageShape;
+use super::luggage::{HotShape, JudgementShape, LuggageShape};
 use super::names::SearchShape;
 use super::phase::PhaseShape;
 use super::places::{GoalShape, PoseShape};
@@ -122,7 +122,11 @@ pub(super) enum Shape {
         /// Absent in entries of versions that had no notes.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         note: Option<String>,
+        #[serde(flatten)]
+        hot: HotShape,
     },
+    /// The answer of another judge, which was kept back until this entry.
+    Judged(JudgementShape),
     Temperature {
         source: String,
         celsius: f64,
@@ -188,6 +192,7 @@ pub const fn kind(fact: &Fact) -> &'static str {
         Fact::Mark(..) => "mark",
         Fact::Luggage { .. } => "luggage",
         Fact::Verdict { .. } => "verdict",
+        Fact::Judged(_) => "judged",
         Fact::Temperature(..) => "temperature",
         Fact::ThermometerSilent(_) => "thermometerSilent",
         Fact::AlarmRaised(..) => "alarmRaised",
@@ -244,11 +249,13 @@ impl Shape {
             Fact::Obstacle(Cell { x, y }, taken_for) => Shape::Obstacle { x: *x, y: *y, taken_for: (*taken_for).to_owned() },
             Fact::Mark(Cell { x, y }, mark) => Shape::Mark { x: *x, y: *y, mark: mark.name().to_owned() },
             Fact::Luggage { record, .. } => Shape::Luggage { luggage: (&**record).into(), picture: picture.cloned() },
-            Fact::Verdict { luggage, verdict, who, note } => Shape::Verdict {
+            Fact::Judged(judgement) => Shape::Judged((&**judgement).into()),
+            Fact::Verdict { luggage, verdict, who, note, hot } => Shape::Verdict {
                 luggage: luggage.0,
                 verdict: verdict.name().to_owned(),
                 who: who.to_string(),
                 note: note.as_ref().map(|note| note.text().to_owned()),
+                hot: (*hot).into(),
             },
             Fact::Temperature(source, celsius) => Shape::Temperature { source: source.to_string(), celsius: celsius.degrees() },
             Fact::ThermometerSilent(source) => Shape::ThermometerSilent { source: source.to_string() },
@@ -302,11 +309,13 @@ impl Shape {
             Shape::Led { blinking } => Fact::Led(blinking),
             Shape::Obstacle { x, y, taken_for } => Fact::Obstacle(Cell::new(x, y), names::taken_for(&taken_for)?),
             Shape::Mark { x, y, mark } => Fact::Mark(Cell::new(x, y), map::named(&mark)?),
-            Shape::Verdict { luggage, verdict, who, note } => Fact::Verdict {
+            Shape::Judged(judgement) => Fact::Judged(Box::new(judgement.judgement()?)),
+            Shape::Verdict { luggage, verdict, who, note, hot } => Fact::Verdict {
                 luggage: LuggageId(luggage),
                 verdict: names::verdict(&verdict)?,
                 who: who.into(),
                 note: names::note(note)?,
+                hot: hot.hot()?,
             },
             Shape::Temperature { source, celsius } => Fact::Temperature(source.into(), names::celsius(celsius)?),
             Shape::ThermometerSilent { source } => Fact::ThermometerSilent(source.into()),

@@ -7,10 +7,11 @@ use serde::{Deserialize, Serialize};
 
 use super::coded::{CodeOrSentence, Form};
 use super::places::{Moment, Point, PoseShape};
-use super::{Unparsed, names};
+use super::{Unparsed, names, written};
+use hallsweep_core::command::{Hot, Issuer};
 use hallsweep_core::units::{AlarmId, LuggageId, Piece};
 use hallsweep_core::world::alarm::Alarm;
-use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
+use hallsweep_core::world::luggage::{Decision, Judgement, Luggage, PhotoState};
 
 #[derive(Serialize, Deserialize)]
 pub(super) struct LuggageShape {
@@ -23,6 +24,9 @@ pub(super) struct LuggageShape {
     first_taken: Option<Moment>,
     photo: PhotoShape,
     verdict: Option<DecisionShape>,
+    /// Answers of other judges, which were kept back until the verdict.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    judged: Vec<JudgementShape>,
     piece: Option<u32>,
     /// Time at which the piece was put into the container.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -50,6 +54,34 @@ struct DecisionShape {
     when: Moment,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     note: Option<String>,
+    #[serde(flatten)]
+    hot: HotShape,
+}
+
+/// The answers to the three questions about a piece. A question that was not answered is left out.
+#[derive(Serialize, Deserialize)]
+pub(super) struct HotShape {
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    hidden: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    obvious: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    typical: Option<String>,
+}
+
+/// The answer of one judge, in the journal and in the file of answers that are kept back.
+#[derive(Serialize, Deserialize)]
+pub(super) struct JudgementShape {
+    luggage: u64,
+    verdict: String,
+    door: String,
+    who: String,
+    from: String,
+    when: Moment,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    note: Option<String>,
+    #[serde(flatten)]
+    hot: HotShape,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -80,6 +112,7 @@ impl From<&Luggage> for LuggageShape {
                 PhotoState::Failed(words) => PhotoShape::Failed(words.clone()),
             },
             verdict: luggage.verdict.as_ref().map(DecisionShape::from),
+            judged: luggage.judged.iter().map(JudgementShape::from).collect(),
             piece: luggage.piece.map(|piece| piece.0),
             secured: luggage.secured.map(Moment::from),
             clock_set_ms: luggage.clock_set_ms,
@@ -101,6 +134,7 @@ impl LuggageShape {
                 PhotoShape::Failed(words) => PhotoState::Failed(words),
             },
             verdict: self.verdict.map(DecisionShape::decision).transpose()?,
+            judged: self.judged.into_iter().map(JudgementShape::judgement).collect::<Result<_, _>>()?,
             piece: self.piece.map(Piece),
             secured: self.secured.map(Into::into),
             clock_set_ms: self.clock_set_ms,
@@ -112,15 +146,75 @@ impl From<&Decision> for DecisionShape {
     fn from(decision: &Decision) -> DecisionShape {
         let (verdict, who) = (decision.verdict.name().to_owned(), decision.who.to_string());
         let note = decision.note.as_ref().map(|note| note.text().to_owned());
-        DecisionShape { verdict, who, when: decision.wall.into(), note }
+        DecisionShape { verdict, who, when: decision.wall.into(), note, hot: decision.hot.into() }
     }
 }
 
 impl DecisionShape {
     fn decision(self) -> Result<Decision, Unparsed> {
         let (verdict, note) = (names::verdict(&self.verdict)?, names::note(self.note)?);
-        Ok(Decision { verdict, who: self.who.into(), wall: self.when.into(), note })
+        Ok(Decision { verdict, who: self.who.into(), wall: self.when.into(), note, hot: self.hot.hot()? })
     }
+}
+
+impl From<Hot> for HotShape {
+    fn from(hot: Hot) -> HotShape {
+        let [hidden, obvious, typical] = hot.answers().map(|(_, answer)| answer.map(|answer| answer.name().to_owned()));
+        HotShape { hidden, obvious, typical }
+    }
+}
+
+impl HotShape {
+    pub(super) fn hot(self) -> Result<Hot, Unparsed> {
+        let read = |answer: Option<String>| answer.map(|answer| names::hot_answer(&answer)).transpose();
+        Ok(Hot { hidden: read(self.hidden)?, obvious: read(self.obvious)?, typical: read(self.typical)? })
+    }
+}
+
+impl From<&Judgement> for JudgementShape {
+    fn from(Judgement { luggage, verdict, issuer, note, hot, wall }: &Judgement) -> JudgementShape {
+        JudgementShape {
+            luggage: luggage.0,
+            verdict: verdict.name().to_owned(),
+            door: issuer.door.0.to_owned(),
+            who: issuer.who.to_string(),
+            from: issuer.from.to_string(),
+            when: (*wall).into(),
+            note: note.as_ref().map(|note| note.text().to_owned()),
+            hot: (*hot).into(),
+        }
+    }
+}
+
+impl JudgementShape {
+    pub(super) fn judgement(self) -> Result<Judgement, Unparsed> {
+        Ok(Judgement {
+            luggage: LuggageId(self.luggage),
+            verdict: names::verdict(&self.verdict)?,
+            issuer: Issuer { door: names::door(&self.door)?, who: self.who.into(), from: self.from.into() },
+            note: names::note(self.note)?,
+            hot: self.hot.hot()?,
+            wall: self.when.into(),
+        })
+    }
+}
+
+pub fn written_decision(decision: &Decision) -> String {
+    written(&DecisionShape::from(decision))
+}
+
+pub fn written_judgement(judgement: &Judgement) -> String {
+    written(&JudgementShape::from(judgement))
+}
+
+/// Writes answers that are kept back, for a file of their own.
+pub fn written_answers(answers: &[Judgement]) -> String {
+    written(&answers.iter().map(JudgementShape::from).collect::<Vec<_>>())
+}
+
+pub fn read_answers(text: &str) -> Result<Vec<Judgement>, Unparsed> {
+    let shapes: Vec<JudgementShape> = serde_json::from_str(text).map_err(|error| Unparsed(error.to_string()))?;
+    shapes.into_iter().map(JudgementShape::judgement).collect()
 }
 
 impl AlarmShape {

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::Unparsed;
 use crate::api::door::DOORS;
 use crate::api::fields::in_short;
-use hallsweep_core::command::{Door, Move, Note, Strategy, TemperatureReport, Verdict};
+use hallsweep_core::command::{Door, HotAnswer, Move, Note, Strategy, TemperatureReport, Verdict};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::not_fetched::{AloneFault, Fetcher, StuckFault};
 use hallsweep_core::pair::{RetrievalFault, Saying};
@@ -73,6 +73,10 @@ pub(super) fn strategy(name: &str) -> Result<Strategy, Unparsed> {
 
 pub(super) fn verdict(name: &str) -> Result<Verdict, Unparsed> {
     named("verdict", name, &[Verdict::Safe, Verdict::Danger], Verdict::name)
+}
+
+pub(super) fn hot_answer(name: &str) -> Result<HotAnswer, Unparsed> {
+    named("answer", name, &HotAnswer::ALL, HotAnswer::name)
 }
 
 pub(super) fn phase(name: &str) -> Result<PhaseName, Unparsed> {

@@ -26,6 +26,7 @@ pub(super) fn written(refused: &Refused, form: Form) -> Coded {
         | Refused::UnknownLuggage(id)
         | Refused::NotABomb(id)
         | Refused::NoPhoto(id)
+        | Refused::HotUnanswered(id)
         | Refused::NotInspected(id) => json!({ "luggage": id.0 }),
         Refused::Decided { luggage, verdict } => json!({ "luggage": luggage.0, "verdict": verdict.name() }),
         Refused::UnknownAlarm(id) => json!({ "alarm": id.0 }),
@@ -84,6 +85,7 @@ fn value(coded: &Coded) -> Result<Refused, Unparsed> {
         "nothingPending" => Refused::NothingPending,
         "decided" => Refused::Decided { luggage: luggage()?, verdict: names::verdict(&coded.field::<String>("verdict")?)? },
         "noPhoto" => Refused::NoPhoto(luggage()?),
+        "hotUnanswered" => Refused::HotUnanswered(luggage()?),
         "notInspected" => Refused::NotInspected(luggage()?),
         "photoUnderWay" => Refused::PhotoUnderWay,
         "unknownAlarm" => Refused::UnknownAlarm(AlarmId(coded.field("alarm")?)),

@@ -78,7 +78,12 @@ fn a_line_is_an_object_that_people_can_read() {
 #[test]
 fn the_journal_has_codes_and_an_exported_line_has_sentences() {
     let (issuer, luggage) = (Issuer::operator(Door::LOCAL), LuggageId(2));
-    let asked = Asked::Command(Command::Verdict { luggage: LuggageRef::Id(luggage), verdict: Verdict::Danger, note: None });
+    let asked = Asked::Command(Command::Verdict {
+        luggage: LuggageRef::Id(luggage),
+        verdict: Verdict::Danger,
+        note: None,
+        hot: Default::default(),
+    });
     let refused = Some(Refused::Decided { luggage, verdict: Verdict::Safe });
     let fact = Fact::Command { issuer, id: None, asked, epoch: None, luggage: Some(luggage), refused };
     assert_eq!(

@@ -156,8 +156,14 @@ mod tests {
     async fn every_command_reaches_the_loop_as_what_it_says() {
         let app = app(searching());
         let cell = Cell::new(4, -2);
-        let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict, note: None };
-        let noted = Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict: Verdict::Safe, note: Note::new("red") };
+        let verdict =
+            |verdict| Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict, note: None, hot: Default::default() };
+        let noted = Command::Verdict {
+            luggage: LuggageRef::Id(LuggageId(3)),
+            verdict: Verdict::Safe,
+            note: Note::new("red"),
+            hot: Default::default(),
+        };
         let cases = [
             ("POST", "/commands/start", "", Command::Start),
             ("POST", "/commands/start", "{}", Command::Start),

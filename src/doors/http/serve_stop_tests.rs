@@ -192,7 +192,7 @@ async fn what_comes_too_far_ahead_of_its_answers_is_heard_and_not_carried_out() 
         let mut given = Vec::new();
         while let Some(Envelope::Command(request, answer)) = envelopes.recv().await {
             given.push(request.command);
-            let _ = answer.send(Ok(Accepted { revision: Revision(0), epoch: Epoch(2), luggage: None }));
+            let _ = answer.send(Ok(Accepted { revision: Revision(0), epoch: Epoch(2), luggage: None, is_kept_back: false }));
             if given.len() == 2 {
                 break;
             }

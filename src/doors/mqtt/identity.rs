@@ -81,6 +81,7 @@ impl Listener for CommandListener {
         };
         match self.commands.take(&heard, &self.publisher) {
             Taken::NotACommand | Taken::Taken => CommandDecision::Pass,
+            Taken::InConfidence => CommandDecision::Keep,
             Taken::Forbidden => CommandDecision::Forbidden,
         }
     }

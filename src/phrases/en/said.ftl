@@ -103,6 +103,7 @@ refused-notABomb = luggage #{ $id } is no bomb in the hall: name a dangerous pie
 refused-nothingPending = no luggage waits for a verdict
 refused-decided = luggage #{ $id } was already found { $verdict }: a verdict is final
 refused-noPhoto = luggage #{ $id } has no usable photo: take it again, or answer danger
+refused-hotUnanswered = luggage #{ $id } cannot be declared safe yet: answer whether it is hidden, obviously suspicious, typical of this place
 refused-notInspected = luggage #{ $id } is not the one being inspected
 refused-photoUnderWay = the photo is being taken
 refused-unknownAlarm = there is no alarm { $id }

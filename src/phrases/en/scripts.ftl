@@ -11,6 +11,7 @@ attention-unknown = This browser offers no notifications here: notifications nee
 console-changed = The page changed just before you pressed: nothing was sent. Check the page, then press again.
 console-judged-safe = Your question is closed: luggage #{ $id } was judged SAFE by { $by } at { $time }.
 console-judged-danger = Your question is closed: luggage #{ $id } was judged DANGER by { $by } at { $time }.
+console-kept-back = Your answer on luggage #{ $id } is recorded. It stays hidden until another judge has answered.
 console-withdrawn = Your question is closed: luggage #{ $id } no longer waits for a verdict.
 console-twice = This press came too soon after the last press and was not sent. Press again.
 console-refused = hallsweep refused the command ({ $status }).

@@ -103,6 +103,7 @@ refused-notABomb = il bagaglio #{ $id } non è una bomba nella sala: indica un b
 refused-nothingPending = nessun bagaglio attende un verdetto
 refused-decided = il bagaglio #{ $id } è già stato giudicato ({ $verdict }): un verdetto è definitivo
 refused-noPhoto = il bagaglio #{ $id } non ha una foto utilizzabile: rifarla, o rispondere pericolo
+refused-hotUnanswered = il bagaglio #{ $id } non può ancora essere dichiarato sicuro: rispondere se è nascosto, chiaramente sospetto, tipico di questo luogo
 refused-notInspected = il bagaglio #{ $id } non è quello in ispezione
 refused-photoUnderWay = la foto è in corso
 refused-unknownAlarm = non c'è nessun allarme { $id }

@@ -11,6 +11,7 @@ attention-unknown = Qui questo browser non offre notifiche: per le notifiche ser
 console-changed = La pagina è cambiata poco prima della pressione: non è stato inviato niente. Controllare la pagina, poi premere di nuovo.
 console-judged-safe = La domanda è chiusa: il bagaglio #{ $id } è stato giudicato SICURO da { $by } alle { $time }.
 console-judged-danger = La domanda è chiusa: il bagaglio #{ $id } è stato giudicato PERICOLO da { $by } alle { $time }.
+console-kept-back = La risposta sul bagaglio #{ $id } è registrata. Resta nascosta finché un altro giudice non ha risposto.
 console-withdrawn = La domanda è chiusa: il bagaglio #{ $id } non attende più nessun verdetto.
 console-twice = Questa pressione è arrivata troppo presto dopo la precedente e non è stata inviata. Premere di nuovo.
 console-refused = hallsweep ha rifiutato il comando ({ $status }).

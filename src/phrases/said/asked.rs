@@ -2,7 +2,7 @@
 
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::asked::Asked;
-use hallsweep_core::command::{Carries, Command, Door, Issuer, LuggageRef, Move, Note, TemperatureReport, Verdict};
+use hallsweep_core::command::{Carries, Command, Door, Hot, Issuer, Move, Note, TemperatureReport, Verdict};
 use hallsweep_core::units::{Celsius, LuggageId};
 
 impl Language {
@@ -41,7 +41,7 @@ impl Language {
             Carries::Alarm(id) => named.with("id", id),
             Carries::Move(step) => named.with("move", self.say_of("move", letter(step))),
             Carries::Cell(cell) => named.with("cell", cell),
-            Carries::Verdict(luggage, verdict, note) => return self.verdict_given(luggage, meant, verdict, note),
+            Carries::Verdict(luggage, verdict, note, hot) => return self.verdict_given(luggage.or(meant), verdict, note, hot),
             Carries::Strategy(strategy) => named.with("strategy", self.say_of("strategy", strategy.name())),
             Carries::Temperature(TemperatureReport::Ok) => self.say("asked-ok"),
             Carries::Temperature(TemperatureReport::TooHigh) => self.say("asked-too-high"),
@@ -53,21 +53,29 @@ impl Language {
         said.to_string()
     }
 
-    fn verdict_given(self, luggage: LuggageRef, meant: Option<LuggageId>, verdict: Verdict, note: Option<&Note>) -> String {
-        let named = match luggage {
-            LuggageRef::Id(id) => Some(id),
-            LuggageRef::Pending => meant,
-        };
+    fn verdict_given(self, named: Option<LuggageId>, verdict: Verdict, note: Option<&Note>, hot: Hot) -> String {
         let said = self.say(match verdict {
             Verdict::Safe => "asked-safe",
             Verdict::Danger => "asked-danger",
         });
         let of = |said: Phrase<'_>, id: LuggageId| self.say("asked-of").with("asked", said).with("id", id).to_string();
         let said = named.map_or_else(|| said.to_string(), |id| of(said.clone(), id));
+        let said = self.hot(hot).map_or_else(|| said.clone(), |hot| format!("{said} ({hot})"));
         match note {
             Some(note) => self.say("asked-noted").with("asked", said).with("note", note).to_string(),
             None => said,
         }
+    }
+
+    /// Words for the answers to the three questions, as `hidden: no, typical: yes`; `None` if there are none.
+    pub fn hot(self, hot: Hot) -> Option<String> {
+        let given = hot.answers().into_iter().filter_map(|(question, answer)| Some((question, answer?)));
+        let said = given.map(|(question, answer)| {
+            let (question, answer) = (self.say_of("hot", question), self.say_of("hot-answer", answer.name()));
+            format!("{question}: {answer}")
+        });
+        let said: Vec<String> = said.collect();
+        (!said.is_empty()).then(|| said.join(", "))
     }
 }
 

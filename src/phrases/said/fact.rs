@@ -1,13 +1,14 @@
 //! Words for the facts of the journal; words for requests are in `asked`.
 
 use crate::phrases::{Language, Phrase};
+use hallsweep_core::command::{Hot, Note};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::refused::Refused;
-use hallsweep_core::settings::{AfterDanger, Rules};
+use hallsweep_core::settings::{AfterDanger, HotRule, Rules, SafeBy};
 use hallsweep_core::snapshot::fact_words::hours;
 use hallsweep_core::state::fact::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::state::{Conditions, Phase, Retrieval, RetrievalStage, Stage};
-use hallsweep_core::world::luggage::{Luggage, PhotoState};
+use hallsweep_core::world::luggage::{Judgement, Luggage, PhotoState};
 
 impl Language {
     pub fn fact(self, fact: &Fact) -> String {
@@ -32,10 +33,12 @@ impl Language {
     }
 
     /// Words for each rule that differs from the usual ones.
-    pub fn rules(self, Rules { after_danger, keep_out_m }: Rules) -> Vec<String> {
+    pub fn rules(self, Rules { after_danger, keep_out_m, safe_by, hot }: Rules) -> Vec<String> {
         let goes_on = (after_danger == AfterDanger::GoOn).then(|| self.say("rule-goes-on"));
         let rings = (keep_out_m > 0.0).then(|| self.say("rule-rings").with("metres", self.number(&keep_out_m.to_string())));
-        goes_on.into_iter().chain(rings).map(|rule| rule.to_string()).collect()
+        let judges = (safe_by == SafeBy::Two).then(|| self.say("rule-two-judges"));
+        let hot = (hot == HotRule::Required).then(|| self.say("rule-hot"));
+        goes_on.into_iter().chain(rings).chain(judges).chain(hot).map(|rule| rule.to_string()).collect()
     }
 
     fn happened(self, fact: &Fact) -> String {
@@ -96,7 +99,12 @@ impl Language {
             }
             Fact::Mark(cell, mark) => self.say("fact-cell").with("cell", cell).with("mark", self.say_of("cell", mark.name())),
             Fact::Luggage { record, .. } => return self.luggage(record),
-            Fact::Verdict { luggage, verdict, who, note } => {
+            Fact::Judged(judgement) => return self.judged(judgement),
+            Fact::Verdict { luggage, verdict, who, note, hot } if !hot.is_empty() => {
+                let say = self.say("fact-verdict").with("id", luggage).with("verdict", self.verdict(verdict.name()));
+                return self.with_remarks(say.with("who", who).to_string(), *hot, note.as_ref());
+            }
+            Fact::Verdict { luggage, verdict, who, note, .. } => {
                 let say = self.say(if note.is_some() { "fact-verdict-noted" } else { "fact-verdict" });
                 let say = say.with("id", luggage).with("verdict", self.verdict(verdict.name())).with("who", who);
                 note.as_ref().map_or_else(|| say.clone(), |note| say.clone().with("note", note))
@@ -111,6 +119,25 @@ impl Language {
             Fact::MapEmptied(heading) => self.say("fact-map-emptied").with("heading", self.heading(*heading)),
         };
         said.to_string()
+    }
+
+    /// What there is to say of the judges of a piece beside its verdict: the answers to the three questions, and the
+    /// answers of other judges.
+    pub fn judges(self, luggage: &Luggage) -> Vec<String> {
+        let own = luggage.verdict.as_ref().and_then(|decision| self.hot(decision.hot));
+        let others = luggage.judged.iter().map(|judgement| self.judged(judgement));
+        own.into_iter().chain(others).collect()
+    }
+
+    fn judged(self, Judgement { luggage, verdict, issuer, note, hot, .. }: &Judgement) -> String {
+        let say = self.say("fact-judged").with("id", luggage).with("verdict", self.verdict(verdict.name()));
+        self.with_remarks(say.with("issuer", self.issuer(issuer)).to_string(), *hot, note.as_ref())
+    }
+
+    /// Adds the answers to the three questions and the note to what was said of a verdict.
+    fn with_remarks(self, said: String, hot: Hot, note: Option<&Note>) -> String {
+        let said = self.hot(hot).map_or_else(|| said.clone(), |hot| format!("{said} ({hot})"));
+        note.map_or_else(|| said.clone(), |note| self.say("asked-noted").with("asked", &said).with("note", note).to_string())
     }
 
     fn phase_on_record(self, phase: &Phase) -> String {

@@ -32,6 +32,7 @@ impl Language {
             | Refused::UnknownLuggage(id)
             | Refused::NotABomb(id)
             | Refused::NoPhoto(id)
+            | Refused::HotUnanswered(id)
             | Refused::NotInspected(id) => say().with("id", id),
             Refused::Decided { luggage, verdict } => say().with("id", luggage).with("verdict", self.verdict(verdict.name())),
             Refused::UnknownAlarm(id) => say().with("id", id),

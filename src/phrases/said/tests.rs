@@ -7,14 +7,16 @@ use std::time::Duration;
 use crate::phrases::Language;
 use behaviour_trees::state::StateError;
 use hallsweep_core::asked::Asked;
-use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
+use hallsweep_core::command::{
+    Command, Door, Hot, HotAnswer, Issuer, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict,
+};
 use hallsweep_core::hold::{Hold, HoldReason};
 use hallsweep_core::not_fetched::{AloneFault, Fetcher, NotFetched, StuckFault};
 use hallsweep_core::pair::{RetrievalFault, Saying};
 use hallsweep_core::phase::{FaultCause, PhaseName};
 use hallsweep_core::refused::Refused;
 use hallsweep_core::robot::RobotId;
-use hallsweep_core::settings::{AfterDanger, Rules};
+use hallsweep_core::settings::{AfterDanger, HotRule, Rules, SafeBy};
 use hallsweep_core::snapshot::said::{Said, Trouble};
 use hallsweep_core::state::fact::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::state::{Conditions, Inspection, Phase, Retrieval, RetrievalStage, Stage, Venue};
@@ -76,6 +78,7 @@ fn commands() {
             luggage,
             verdict,
             note: note.clone(),
+            hot: Hot { hidden: Some(HotAnswer::No), obvious: None, typical: Some(HotAnswer::CannotSay) },
         }));
     }
     let many = Asked::Many { last: Box::new(Asked::Command(Command::Start)), more: 4 };
@@ -83,7 +86,12 @@ fn commands() {
     for asked in commands.into_iter().map(Asked::Command).chain(stops).chain([many]) {
         check(&asked.to_string(), |language| language.asked(&asked, None), &["STOP"]);
     }
-    let meant = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: Note::new("red") };
+    let meant = Command::Verdict {
+        luggage: LuggageRef::Pending,
+        verdict: Verdict::Safe,
+        note: Note::new("red"),
+        hot: Default::default(),
+    };
     assert_eq!(Language::English.asked(&Asked::Command(meant), Some(ID)), "safe #3 (note: red)");
 }
 
@@ -158,10 +166,16 @@ fn the_journal() {
     let fault = Phase::Fault { cause: FaultCause::Unanswered, interrupted: Box::new(inspecting(Stage::TakingPhoto)) };
     let command = |refused: Option<Refused>| {
         let note = Note::new("red");
-        let asked = Asked::Command(Command::Verdict { luggage: LuggageRef::Id(ID), verdict: Verdict::Safe, note });
+        let asked = Asked::Command(Command::Verdict {
+            luggage: LuggageRef::Id(ID),
+            verdict: Verdict::Safe,
+            note,
+            hot: Default::default(),
+        });
         Fact::Command { issuer: issuer(), id: None, asked, epoch: None, luggage: Some(ID), refused }
     };
-    let verdict = |note| Fact::Verdict { luggage: ID, verdict: Verdict::Danger, who: "anna".into(), note };
+    let verdict =
+        |note| Fact::Verdict { luggage: ID, verdict: Verdict::Danger, who: "anna".into(), note, hot: Default::default() };
     let photographed = |photo| {
         let (pose, taken) = (Pose::START, WallTime::default());
         let record = Arc::new(Luggage {
@@ -172,6 +186,7 @@ fn the_journal() {
             first_taken: taken,
             photo,
             verdict: None,
+            judged: Vec::new(),
             piece: None,
             secured: None,
             clock_set_ms: 0,
@@ -221,7 +236,7 @@ fn the_journal_says_where_it_is_and_what_left_it() {
         Fact::Conditions(Conditions {
             venue: Venue { name: "depot".into(), cell_m: Some(0.25), ..Venue::default() },
             threshold: degrees(25.5),
-            rules: Rules { after_danger: AfterDanger::GoOn, keep_out_m: 2.5 },
+            rules: Rules { after_danger: AfterDanger::GoOn, keep_out_m: 2.5, safe_by: SafeBy::Two, hot: HotRule::Required },
         }),
         Fact::Conditions(Conditions {
             venue: Venue { name: "depot".into(), ..Venue::default() },

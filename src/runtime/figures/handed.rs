@@ -57,7 +57,8 @@ impl HandedPages {
     }
 
     pub fn hand(&mut self, page: &Page, now: Duration) {
-        if self.pages.len().max(self.counted.len()) >= WAITING {
+        // A page without entries has an answer that is kept back. Counting it would tell that somebody has answered.
+        if page.entries.is_empty() || self.pages.len().max(self.counted.len()) >= WAITING {
             return;
         }
         self.pages.push_back((page.last(), now));
@@ -137,6 +138,7 @@ impl CountedFact {
             | Fact::ProgramEnded(_)
             | Fact::ClockSet(_)
             | Fact::Conditions(_)
+            | Fact::Judged(_)
             | Fact::Holds(_)
             | Fact::Epoch(_)
             | Fact::Goal(..)
@@ -202,7 +204,7 @@ mod tests {
 
     fn page(first: u64, facts: impl IntoIterator<Item = Fact>) -> Page {
         let entry = |fact| Entry { wall: WallTime::default(), fact };
-        Page { first: Seq(first), entries: facts.into_iter().map(entry).collect() }
+        Page { first: Seq(first), entries: facts.into_iter().map(entry).collect(), kept_back: None }
     }
 
     fn counted(facts: Vec<Fact>) -> Figures {
@@ -233,6 +235,7 @@ mod tests {
             first_taken: WallTime::default(),
             photo: PhotoState::Failed("dark".to_owned()),
             verdict: None,
+            judged: Vec::new(),
             piece: None,
             secured: None,
             clock_set_ms: 0,
@@ -322,7 +325,7 @@ mod tests {
             Command::Reset,
             Command::Move(Move::Forward),
             Command::Goto(Cell::HOME),
-            Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None },
+            Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None, hot: Default::default() },
             Command::RetakePhoto(LuggageId(1)),
             Command::Acknowledge(AlarmId(1)),
             Command::ChooseStrategy(Strategy::default()),

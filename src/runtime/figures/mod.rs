@@ -272,7 +272,7 @@ mod tests {
     fn the_word_of_the_store_is_shown() {
         let figures = Figures::default();
         let store = || ["journal_last_entry", "store_failing", "store_losses_total"].map(|series| figures.value(series));
-        let failed = StoreStatus { kept: Seq(7), failure: Some("full".into()), losses: 5 };
+        let failed = StoreStatus { kept: Seq(7), failure: Some("full".into()), losses: 5, kept_back: 0 };
         figures.hear_store(&failed, 2);
         assert_eq!(store(), [7.0, 1.0, 2.0]);
         figures.hear_store(&StoreStatus { kept: Seq(9), failure: None, ..failed }, 0);

@@ -48,7 +48,7 @@ impl Script {
                 Envelope::PutDown(_, _, _, answer) => {
                     let refused = self.refuse.lock().unwrap().clone();
                     let Snapshot { revision, mission, .. } = &**self.publish.borrow();
-                    let accepted = Accepted { revision: *revision, epoch: mission.epoch, luggage: None };
+                    let accepted = Accepted { revision: *revision, epoch: mission.epoch, luggage: None, is_kept_back: false };
                     let _ = answer.send(refused.map_or(Ok(accepted), Err));
                     continue;
                 }
@@ -57,7 +57,7 @@ impl Script {
             let luggage = about(&request.command, &snapshot);
             self.given.lock().unwrap().push(request);
             let refused = self.refuse.lock().unwrap().clone();
-            let accepted = Accepted { revision: snapshot.revision, epoch: snapshot.mission.epoch, luggage };
+            let accepted = Accepted { revision: snapshot.revision, epoch: snapshot.mission.epoch, luggage, is_kept_back: false };
             let _ = answer.send(refused.map_or(Ok(accepted), Err));
         }
     }

@@ -273,7 +273,9 @@ fn luggage_of(id: LuggageId, row: &Row<'_>) -> Result<Luggage, Fault> {
     let decision = |verdict| -> Result<Decision, Fault> {
         let wall = WallTime { unix_ms: row.get(3)?, offset_s: row.get(4)? };
         let note: Option<String> = row.get(5)?;
-        Ok(Decision { verdict, who: Arc::from(row.get::<_, String>(2)?), wall, note: note.as_deref().and_then(Note::new) })
+        let hot = record.verdict.as_ref().map(|decision| decision.hot).unwrap_or_default();
+        Ok(Decision { verdict, who: Arc::from(row.get::<_, String>(2)?), wall, note: note.as_deref().and_then(Note::new), hot })
     };
-    Ok(Luggage { verdict: verdict.transpose()?.map(decision).transpose()?, ..record })
+    let verdict = verdict.transpose()?.map(decision).transpose()?;
+    Ok(Luggage { verdict, ..record })
 }

@@ -268,7 +268,7 @@ fn take_out(folder: &Folder, journal: &mut Connection, archived: &Archived, now:
     let last = rows::last_up_to(&transaction, None)?;
     let entry = Entry { wall: now, fact: Fact::WrittenOut(archived.what.clone()) };
     // The new entry belongs to no mission, even while a mission is under way.
-    let page = Page { first: last.next(), entries: vec![entry] };
+    let page = Page { first: last.next(), entries: vec![entry], kept_back: None };
     pages::write(&transaction, Pictures::Files(folder), &page, None)?;
     let head = chain::close_page(&transaction)?;
     let gone = whole(archived.what.until.0)?;

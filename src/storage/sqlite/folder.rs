@@ -65,6 +65,10 @@ impl Folder {
         SmallFile::within(&self.path, names::LOST)
     }
 
+    pub(super) fn kept_back(&self) -> SmallFile {
+        SmallFile::within(&self.path, names::KEPT_BACK)
+    }
+
     pub(super) fn head(&self) -> SmallFile {
         SmallFile::within(&self.path, names::HEAD)
     }

@@ -105,9 +105,13 @@ impl Store for MemoryStore {
         if self.word.borrow().failure.is_some() {
             return;
         }
-        let kept = self.journal.writing().keep(&page);
+        // Answers that are kept back need no place here: the core has them until the program ends.
+        let kept = if page.entries.is_empty() { Ok(()) } else { self.journal.writing().keep(&page) };
         self.word.send_modify(|word| match kept {
-            Ok(()) => word.kept = page.last(),
+            Ok(()) => {
+                word.kept = page.last();
+                word.kept_back = page.kept_back.as_ref().map_or(word.kept_back, |list| list.number);
+            }
             Err(fault) => {
                 word.failure = Some(Arc::from(fault.words(MemoryJournal::place(), Then::StartAgain)));
                 word.losses += 1;

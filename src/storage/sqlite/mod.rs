@@ -20,6 +20,7 @@ mod cut;
 mod fault;
 mod folder;
 mod head;
+mod kept_back;
 mod marker;
 mod memory;
 mod moments;

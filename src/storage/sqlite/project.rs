@@ -19,8 +19,13 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
         Fact::MissionArchived(mission, left) => archived(connection, *mission, left, wall, seq),
         Fact::Phase(phase) => line.mission.map_or(Ok(()), |mission| came_to(connection, mission, phase, wall)),
         Fact::Luggage { record, .. } => found(connection, line.mission, record, line.picture.as_ref()),
-        Fact::Verdict { luggage, verdict, who, note } => {
-            decided(connection, *luggage, &Decision { verdict: *verdict, who: who.clone(), wall, note: note.clone() })
+        Fact::Verdict { luggage, verdict, who, note, hot } => {
+            let decision = Decision { verdict: *verdict, who: who.clone(), wall, note: note.clone(), hot: *hot };
+            decided(connection, *luggage, &decision)
+        }
+        Fact::Judged(judgement) => {
+            let sql = "UPDATE luggage SET record = json_insert(record, '$.judged[#]', json(?2)) WHERE id = ?1";
+            run(connection, sql, params![whole(judgement.luggage.0)?, journal::written_judgement(judgement)])
         }
         Fact::Secured(luggage) => {
             let sql = "UPDATE luggage SET record = json_set(record, '$.secured', json(?2)) WHERE id = ?1";
@@ -112,9 +117,15 @@ fn found(connection: &Connection, mission: Option<MissionId>, record: &Luggage, 
 fn decided(connection: &Connection, luggage: LuggageId, decision: &Decision) -> Result<(), Fault> {
     let sql = "UPDATE luggage SET verdict = ?2, decided_by = ?3, decided_ms = ?4, decided_offset_s = ?5, note = ?6
                WHERE id = ?1";
-    let Decision { verdict, who, wall, note } = decision;
+    let Decision { verdict, who, wall, note, hot } = decision;
     let note = note.as_ref().map(Note::text);
-    run(connection, sql, params![whole(luggage.0)?, verdict.name(), &**who, wall.unix_ms, wall.offset_s, note])
+    run(connection, sql, params![whole(luggage.0)?, verdict.name(), &**who, wall.unix_ms, wall.offset_s, note])?;
+    if hot.is_empty() {
+        return Ok(());
+    }
+    // The columns have no place for the answers to the three questions.
+    let sql = "UPDATE luggage SET record = json_set(record, '$.verdict', json(?2)) WHERE id = ?1";
+    run(connection, sql, params![whole(luggage.0)?, journal::written_decision(decision)])
 }
 
 /// Applies a state snapshot. A snapshot repeats facts whose own entries may have been lost in a failure of the store:

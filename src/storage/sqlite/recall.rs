@@ -9,6 +9,7 @@ use rusqlite::{Connection, ErrorCode};
 use super::connect;
 use super::fault::Fault;
 use super::folder::Folder;
+use super::kept_back;
 use super::rows::{self, EntryFilter, Kinds};
 use crate::runtime::archive::Sound;
 use hallsweep_core::command::Strategy;
@@ -45,7 +46,7 @@ pub(super) fn recall(folder: &Folder, lost_after: Option<Seq>) -> Result<Option<
     let state = state(&connection, written)?;
     let commands = repeatable(&connection, written)?;
     let latest = latest(&connection, written)?;
-    Ok(Some(Recalled { state, written, commands, latest }))
+    Ok(Some(Recalled { state, written, commands, kept_back: kept_back::read(folder), latest }))
 }
 
 pub(super) fn latest(connection: &Connection, written: Seq) -> Result<Vec<RememberedLine>, Fault> {

@@ -56,7 +56,7 @@ impl Kinds {
             Kinds::All => None,
             Kinds::Named => Some(NAMED),
             Kinds::Milestones => {
-                Some("kind IN ('standing', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict', 'secured')")
+                Some("kind IN ('standing', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict', 'judged', 'secured')")
             }
             Kinds::Verdicts => Some("kind IN ('verdict', 'standing')"),
             Kinds::Retrieval => Some("kind IN ('retrieval', 'holds', 'alarmRaised', 'alarmAcknowledged', 'secured', 'phase', 'clockSet')"),

@@ -10,12 +10,13 @@ use super::fault::Fault;
 const APPLICATION: i64 = 0x4853_5750;
 
 /// Migrations from each format to the next; an empty file has format 0.
-const MIGRATIONS: [&str; 5] = [
+const MIGRATIONS: [&str; 6] = [
     include_str!("schema.sql"),
     include_str!("schema_2.sql"),
     include_str!("schema_3.sql"),
     include_str!("schema_4.sql"),
     include_str!("schema_5.sql"),
+    include_str!("schema_6.sql"),
 ];
 
 pub(super) const FORMAT: i64 = MIGRATIONS.len() as i64;

@@ -133,7 +133,7 @@ fn built(from: &rusqlite::Connection, folder: &Folder, own: Entry) -> Result<u64
     // Creates the journal file here, so that it is private.
     drop(files::open(&folder.journal(), fs::File::options().write(true).create_new(true))?);
     let (entries, end) = copy(from, &folder.journal(), None, |journal| {
-        let page = Page { first: rows::last_up_to(journal, None)?.next(), entries: vec![own] };
+        let page = Page { first: rows::last_up_to(journal, None)?.next(), entries: vec![own], kept_back: None };
         pages::write(journal, Pictures::Files(folder), &page, None)?;
         let entries: i64 = journal.query_row("SELECT count(*) FROM events", [], |row| row.get(0))?;
         Ok((count(entries), chain::close_page(journal)?))

@@ -17,9 +17,10 @@ use std::time::Duration;
 use super::fault::{Fault, Then};
 use super::folder::Folder;
 use super::head::HeadFile;
+use super::kept_back;
 use super::pages::Pages;
 use super::writer_status::WriterStatus;
-use hallsweep_core::effect::Page;
+use hallsweep_core::effect::{KeptBack, Page};
 use hallsweep_core::state::fact::Fact;
 use hallsweep_core::units::{MissionId, Seq};
 
@@ -116,8 +117,15 @@ impl Writer {
             .flat_map(|page| &page.entries)
             .map(|entry| if let Fact::Luggage { photo: Some(photo), .. } = &entry.fact { photo.bytes.len() } else { 0 });
         self.bulk = photos.sum();
-        let kept = self.write(&pages, losses);
-        self.conclude(kept, losses, pages.last().map_or(self.kept, Page::last));
+        let last = pages.last().map_or(self.kept, Page::last);
+        let answers = pages.iter().rev().find_map(|page| page.kept_back.clone());
+        let pages: Vec<Page> = pages.into_iter().filter(|page| !page.entries.is_empty()).collect();
+        // The answers that are still kept back follow the entries: an answer must be in one of both places.
+        let kept = self.write(&pages, losses).and_then(|()| self.write_answers(answers.as_ref()));
+        self.conclude(kept, losses, last);
+        if let Some(answers) = answers {
+            self.status.keep_back(losses, answers.number);
+        }
     }
 
     pub(super) fn write(&mut self, pages: &[Page], losses: u64) -> Result<(), Fault> {
@@ -125,6 +133,14 @@ impl Writer {
             _ if pages.is_empty() => Ok(()),
             Hand::Writing(journal) => journal.keep(pages, || self.status.wants(losses)),
             Hand::Waiting(..) | Hand::Closed => Err(Fault::Unwritable),
+        }
+    }
+
+    fn write_answers(&self, answers: Option<&KeptBack>) -> Result<(), Fault> {
+        match (answers, &self.hand) {
+            (None, _) => Ok(()),
+            (Some(list), Hand::Writing(_)) => kept_back::write(&self.folder, &list.answers),
+            (Some(_), Hand::Waiting(..) | Hand::Closed) => Err(Fault::Unwritable),
         }
     }
 

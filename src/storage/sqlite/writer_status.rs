@@ -32,7 +32,7 @@ impl WriterStatus {
     /// The status at the start. A failure to open the journal counts as a loss, so that nobody waits until it is
     /// open.
     pub(super) fn new(marker: Marker, kept: Seq, failure: Option<&str>) -> WriterStatus {
-        let word = StoreStatus { kept, failure: failure.map(Arc::from), losses: u64::from(failure.is_some()) };
+        let word = StoreStatus { kept, failure: failure.map(Arc::from), losses: u64::from(failure.is_some()), kept_back: 0 };
         WriterStatus { word: watch::Sender::new(word), work: Mutex::default(), marker }
     }
 
@@ -78,6 +78,14 @@ impl WriterStatus {
             self.word.send_modify(|word| word.kept = last);
         }
         stands
+    }
+
+    /// Reports that the answers of the batch are stored, unless the batch was lost.
+    pub(super) fn keep_back(&self, losses: u64, number: u64) {
+        let work = self.work();
+        if !self.fails(&work) && self.losses() == losses {
+            self.word.send_modify(|word| word.kept_back = number);
+        }
     }
 
     /// Reports that the batch failed, unless the batch is already declared lost.

@@ -14,9 +14,9 @@ mod old_words;
 mod once;
 mod opening;
 mod rights;
-mod running;
+pub(crate) mod running;
 mod sessions;
-mod told;
+pub(crate) mod told;
 mod web;
 
 use client::Client;

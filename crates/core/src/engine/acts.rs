@@ -47,6 +47,7 @@ impl Engine {
             Act::RecordRetake => self.record_retake(context),
             Act::AskOperator => self.ask_operator(context),
             Act::RecordVerdict => self.record_verdict(context),
+            Act::KeepBack => self.keep_back(context),
             Act::NoteReading => self.note_reading(context),
             Act::HearSensor => self.hear_sensor(context),
             Act::Acknowledge => self.acknowledge(context),
@@ -269,6 +270,7 @@ impl Engine {
 
     /// Archives the mission. Its records stay in the journal.
     pub(super) fn archive(&mut self) {
+        self.publish_all_judgements();
         if self.state.under_way {
             let bombs = self.state.luggage.bombs_left().map(|luggage| luggage.id).collect();
             self.record(Fact::MissionArchived(self.state.mission, bombs));

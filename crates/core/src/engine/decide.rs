@@ -10,7 +10,7 @@ use crate::mission::{Act, Case, Guard, Input, InputContext, Rule, To, rules};
 use crate::phase::{FaultCause, PhaseName};
 use crate::refused::Refused;
 use crate::search::plan::after;
-use crate::settings::AfterDanger;
+use crate::settings::{AfterDanger, HotRule, SafeBy};
 use crate::state::{Phase, Stage};
 use crate::units::{Cell, Epoch, LuggageId};
 use crate::world::hall_map::Mark;
@@ -65,22 +65,7 @@ impl Engine {
         match guard {
             Guard::Held => self.held(self.state.holds.standing_against_start()),
             Guard::NotInPhase => Some(Refused::NotInPhase(phase.name())),
-            Guard::VerdictAwaited => {
-                let explores = match phase.underlying() {
-                    Phase::Exploring | Phase::AtHome => true,
-                    // From these phases, only GO ON explores.
-                    Phase::BombLocated | Phase::BagSecured => input == Input::GoOn,
-                    Phase::Idle
-                    | Phase::Inspecting(_)
-                    | Phase::Driving { .. }
-                    | Phase::ReturningHome
-                    | Phase::ReturningWithAlarm
-                    | Phase::Retrieving
-                    | Phase::Explored
-                    | Phase::Fault { .. } => false,
-                };
-                self.first_pending(true).filter(|_| explores).map(Refused::VerdictPending)
-            }
+            Guard::VerdictAwaited => self.verdict_awaited(phase, input).map(Refused::VerdictPending),
             Guard::VerdictPending => self.first_pending(false).map(Refused::VerdictPending),
             Guard::OperatorAsked => self.asked().map(Refused::VerdictPending),
             Guard::Driving => Some(Refused::Driving),
@@ -122,6 +107,10 @@ impl Engine {
             },
             Guard::Decided => self.decided(input, context),
             Guard::NoPhoto => luggage.filter(|luggage| !luggage.has_photo()).map(|luggage| Refused::NoPhoto(luggage.id)),
+            Guard::HotUnanswered => {
+                let is_missing = self.settings.rules.hot == HotRule::Required && !context.hot.is_complete();
+                context.luggage.filter(|_| is_missing).map(Refused::HotUnanswered)
+            }
             Guard::NotInspected => match context.luggage {
                 None => Some(Refused::NothingPending),
                 Some(id) if luggage.is_none() => Some(Refused::UnknownLuggage(id)),
@@ -151,6 +140,23 @@ impl Engine {
         }
     }
 
+    /// The piece that an exploring robot waits for. In some phases only GO ON explores.
+    fn verdict_awaited(&self, phase: &Phase, input: Input) -> Option<LuggageId> {
+        let explores = match phase.underlying() {
+            Phase::Exploring | Phase::AtHome => true,
+            Phase::BombLocated | Phase::BagSecured => input == Input::GoOn,
+            Phase::Idle
+            | Phase::Inspecting(_)
+            | Phase::Driving { .. }
+            | Phase::ReturningHome
+            | Phase::ReturningWithAlarm
+            | Phase::Retrieving
+            | Phase::Explored
+            | Phase::Fault { .. } => false,
+        };
+        self.first_pending(true).filter(|_| explores)
+    }
+
     pub(super) fn goes_on(&self) -> bool {
         self.settings.rules.after_danger == AfterDanger::GoOn
     }
@@ -170,6 +176,7 @@ impl Engine {
                 let verdict = context.luggage.and_then(|id| self.verdict_kept(id).or_else(|| self.mission.deciding(id)));
                 context.verdict.is_some() && verdict == context.verdict
             }
+            Case::FirstJudge => self.settings.rules.safe_by == SafeBy::Two && !self.judges.has_other_than(context),
             Case::FromIdle => matches!(phase.underlying(), Phase::Idle),
             Case::RobotAtHome => self.rests_at_home(),
             Case::BombLeft => self.state.luggage.bombs_left().next().is_some(),

@@ -4,11 +4,12 @@
 use std::collections::VecDeque;
 use std::sync::Arc;
 
-use crate::command::{Move, Note, Verdict};
+use crate::command::{Hot, Move, Note, Verdict};
 use crate::search::Gait;
 use crate::search::pace::Pace;
 use crate::state::fact::Fact;
 use crate::units::{Cell, LuggageId, Seq, WallTime};
+use crate::world::luggage::Judgement;
 
 /// Maximum number of passed cells that are shown.
 pub(crate) const TRAIL: usize = 48;
@@ -46,6 +47,9 @@ pub(crate) struct Deciding {
     pub(crate) verdict: Verdict,
     pub(crate) who: Arc<str>,
     pub(crate) note: Option<Note>,
+    pub(crate) hot: Hot,
+    /// The answers of other judges, which become public with the verdict.
+    pub(crate) judged: Vec<Judgement>,
 }
 
 impl Mission {

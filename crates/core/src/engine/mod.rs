@@ -14,6 +14,7 @@ mod coalesced_entries;
 mod decide;
 mod facts;
 mod fetch_alone;
+mod judges;
 mod mission;
 mod model;
 mod motion;
@@ -48,6 +49,7 @@ pub use self::recall::{Recalled, RememberedLine};
 pub use self::repeats::IDS;
 
 use self::coalesced_entries::CoalescedEntries;
+use self::judges::Judges;
 use self::mission::Mission;
 use self::on_record::OnRecord;
 use self::outbox::{Outbox, WaitingAnswer};
@@ -60,7 +62,7 @@ use self::watchdog::SensorWatchdog;
 use super::command::{Accepted, Command, Request};
 use super::effect::Effect;
 use super::event::Event;
-use super::mission::{Input, InputContext};
+use super::mission::{Act, Input, InputContext};
 use super::refused::Refused;
 use super::robot::RobotId;
 use super::search::plan::Planner;
@@ -94,6 +96,7 @@ pub struct Engine {
     repeats: Repeats,
     refusals: CoalescedEntries<Note>,
     stops: Stops,
+    judges: Judges,
     /// The epoch of the command that last released the robot.
     released: Option<Epoch>,
     on_record: OnRecord,
@@ -128,6 +131,7 @@ impl Engine {
             repeats: Repeats::default(),
             refusals: CoalescedEntries::new(refusals::LIMITS),
             stops: Stops::default(),
+            judges: Judges::default(),
             released: None,
             on_record: OnRecord::first(strategy),
             seen: None,
@@ -171,7 +175,10 @@ impl Engine {
             Ok(()) => self.decide(input, &context),
             Err(outdated) => Err((outdated, &[][..])),
         };
-        self.write_command(&request, &context, outcome.as_ref().err().map(|(refused, _)| refused));
+        let is_kept_back = outcome.as_ref().is_ok_and(|step| step.acts == [Act::KeepBack]);
+        if !self.is_secret(&context, is_kept_back, outcome.is_err()) {
+            self.write_command(&request, &context, outcome.as_ref().err().map(|(refused, _)| refused));
+        }
         let answer = match outcome {
             Ok(step) => Ok(self.carry_out(&request, count, input, step, &context)),
             Err((refused, acts)) => {
@@ -236,6 +243,7 @@ impl Engine {
                 self.feed(Input::StoreFailed, &InputContext { why: Some(HoldReason::Words(words)), ..InputContext::default() });
                 self.withdraw_unkept();
             }
+            Event::KeptBack(number) => self.judgements_kept(number),
             Event::StoreReason(words) => {
                 self.world.store_failure = Some(words);
                 self.world.touch(Resource::Mission);
@@ -347,6 +355,10 @@ impl Engine {
         }
         let ticket = self.outbox.next_ticket();
         self.remember(request, Outcome::Open(ticket));
+        if step.acts == [Act::KeepBack] {
+            self.answer_when_kept_back(ticket, context);
+            return ticket;
+        }
         let waits = !self.state.holds.contains(Hold::Store) && !self.outbox.is_kept();
         if input == Input::Stop {
             self.answer_when_standing(ticket);
@@ -360,8 +372,12 @@ impl Engine {
     }
 
     fn answer(&mut self, ticket: Ticket, luggage: Option<LuggageId>) {
-        let revision = self.world.revision();
-        self.send_answer(ticket, Ok(Accepted { revision, epoch: self.state.epoch, luggage }));
+        let accepted = self.accepted(luggage);
+        self.send_answer(ticket, Ok(accepted));
+    }
+
+    fn accepted(&self, luggage: Option<LuggageId>) -> Accepted {
+        Accepted { revision: self.world.revision(), epoch: self.state.epoch, luggage, is_kept_back: false }
     }
 
     pub(super) fn send_answer(&mut self, ticket: Ticket, answer: Result<Accepted, Refused>) {

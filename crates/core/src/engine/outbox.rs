@@ -4,7 +4,7 @@
 use std::collections::VecDeque;
 use std::time::Duration;
 
-use crate::effect::{Effect, Order, Page};
+use crate::effect::{Effect, KeptBack, Order, Page};
 use crate::refused::Refused;
 use crate::robot::RobotId;
 use crate::state::fact::{Entry, Fact};
@@ -30,6 +30,8 @@ const COMMANDS: usize = 1024;
 pub(super) struct Outbox {
     effects: VecDeque<Effect>,
     page: Vec<Entry>,
+    /// The answers of judges that the next page stores.
+    kept_back: Option<KeptBack>,
     /// A fact that waits for the next entry, and the time at which it stops waiting and is recorded alone.
     soon: Option<(Entry, Duration)>,
     /// Whether the page must end with the whole state.
@@ -97,12 +99,17 @@ impl Outbox {
 
     /// Returns the next effect: halts first, then pages for the store, then the rest.
     pub(super) fn poll(&mut self) -> Option<Effect> {
-        if self.page.is_empty() || matches!(self.effects.front(), Some(Effect::Halt(_))) {
+        let is_empty = self.page.is_empty() && self.kept_back.is_none();
+        if is_empty || matches!(self.effects.front(), Some(Effect::Halt(_))) {
             return self.effects.pop_front();
         }
         let entries = std::mem::take(&mut self.page);
         let first = Seq(self.written.0 + 1 - entries.len() as u64);
-        Some(Effect::Record(Page { first, entries }))
+        Some(Effect::Record(Page { first, entries, kept_back: self.kept_back.take() }))
+    }
+
+    pub(super) fn keep_back(&mut self, kept_back: KeptBack) {
+        self.kept_back = Some(kept_back);
     }
 
     pub(super) fn sum_up(&mut self) {

@@ -17,7 +17,7 @@ use crate::state::{Conditions, PersistentState, Phase, Venue};
 use crate::units::{LuggageId, Now, Pose, Seq, WallTime};
 use crate::world::alarm::{Alarm, AlarmCause};
 use crate::world::hall_map::Mark;
-use crate::world::luggage::Luggage;
+use crate::world::luggage::{Judgement, Luggage};
 use crate::world::resource::Resource;
 
 /// Smallest change of the wall clock that is recorded, in milliseconds. A leap second and the machine's continuous
@@ -30,6 +30,8 @@ pub struct Recalled {
     pub written: Seq,
     /// The latest commands that carried an id, oldest first.
     pub commands: Vec<Entry>,
+    /// The answers of judges that were kept back.
+    pub kept_back: Vec<Judgement>,
     /// The latest actions of people and the latest pieces found, oldest first.
     pub latest: Vec<RememberedLine>,
 }
@@ -45,7 +47,7 @@ impl Engine {
     /// Returns the engine after a restart. Nothing moves until a START (safety R1).
     #[must_use]
     pub fn recall(settings: Settings, run: Arc<str>, recalled: Recalled, now: Now) -> Engine {
-        let Recalled { state, written, commands, latest } = recalled;
+        let Recalled { state, written, commands, kept_back, latest } = recalled;
         let told = latest.last().map_or(i64::MIN, |line| line.wall.unix_ms);
         let mut engine = Engine::new(settings, state.strategy, run);
         engine.outbox = Outbox::after(written);
@@ -63,6 +65,7 @@ impl Engine {
             engine.record(Fact::ClockSet(back_ms));
         }
         engine.note_start();
+        engine.recall_judgements(kept_back);
         engine.world.write(now.wall, Tone::Info, Said::StartedAgain);
         engine.feed(Input::Restarted, &InputContext::default());
         engine.finish();

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::Engine;
 use super::mission::{Deciding, Recording};
 use super::outbox::WaitingAnswer;
-use crate::command::{Accepted, Verdict};
+use crate::command::Verdict;
 use crate::event::Photo;
 use crate::mission::{Input, InputContext};
 use crate::refused::Refused;
@@ -32,8 +32,19 @@ impl Engine {
         let photo = photo_of(context);
         let state = PhotoState::after(None, &photo);
         let taken = self.now.wall;
-        let (verdict, secured, first_taken) = (None, None, taken);
-        let luggage = Luggage { id, cell, pose, taken, first_taken, photo: state, verdict, piece, secured, clock_set_ms: 0 };
+        let luggage = Luggage {
+            id,
+            cell,
+            pose,
+            taken,
+            first_taken: taken,
+            photo: state,
+            verdict: None,
+            judged: Vec::new(),
+            piece,
+            secured: None,
+            clock_set_ms: 0,
+        };
         self.send_record(luggage, photo);
         self.set_stage(Stage::Recording(id));
     }
@@ -71,12 +82,13 @@ impl Engine {
     pub(super) fn record_verdict(&mut self, context: &InputContext) {
         let (Some(luggage), Some(verdict), Some(issuer)) = (context.luggage, context.verdict, &context.issuer) else { return };
         let who = Arc::clone(&issuer.who);
-        let note = context.note.clone();
-        let fact = Fact::Verdict { luggage, verdict, who: Arc::clone(&who), note: note.clone() };
+        let (note, hot) = (context.note.clone(), context.hot);
+        let judged = self.publish_judgements(luggage);
+        let fact = Fact::Verdict { luggage, verdict, who: Arc::clone(&who), note: note.clone(), hot };
         let seq = self.outbox.record(self.now.wall, fact);
         self.mission.deciding.retain(|deciding| deciding.luggage != luggage);
         self.outbox.defer(luggage, seq);
-        self.mission.deciding.push(Deciding { seq, wall: self.now.wall, luggage, verdict, who, note });
+        self.mission.deciding.push(Deciding { seq, wall: self.now.wall, luggage, verdict, who, note, hot, judged });
     }
 
     /// Handles the report that all entries up to `seq` are stored. Everything that waited for these entries happens
@@ -112,12 +124,17 @@ impl Engine {
         }
     }
 
-    fn decide_piece(&mut self, Deciding { wall, luggage, verdict, who, note, .. }: Deciding) {
+    fn decide_piece(&mut self, Deciding { wall, luggage, verdict, who, note, hot, judged, .. }: Deciding) {
         if self.state.luggage.get(luggage).is_none() {
             return;
         }
         self.world.touch(Resource::Mission);
-        self.state.follow(&Fact::Verdict { luggage, verdict, who, note }, wall, self.world.revision());
+        for judgement in judged {
+            self.judges.forget(&judgement);
+            self.world.write(self.now.wall, Tone::Info, Said::fact(&Fact::Judged(Box::new(judgement.clone()))));
+            self.state.follow(&Fact::Judged(Box::new(judgement)), wall, self.world.revision());
+        }
+        self.state.follow(&Fact::Verdict { luggage, verdict, who, note, hot }, wall, self.world.revision());
         let input = match verdict {
             Verdict::Safe => Input::SafeRecorded,
             Verdict::Danger => Input::DangerRecorded,
@@ -140,7 +157,7 @@ impl Engine {
         let stands = waiting.luggage.and_then(|id| self.verdict_kept(id));
         let answer = match (waiting.luggage, waiting.verdict, stands) {
             (Some(luggage), Some(given), Some(verdict)) if given != verdict => Err(Refused::Decided { luggage, verdict }),
-            _ => Ok(Accepted { revision: self.world.revision(), epoch: self.state.epoch, luggage: waiting.luggage }),
+            _ => Ok(self.accepted(waiting.luggage)),
         };
         if let Err(refused) = &answer {
             self.world.write(self.now.wall, Tone::Warning, Said::Overtaken(refused.clone()));
@@ -156,6 +173,7 @@ impl Engine {
                 self.alarm_unrecorded(deciding.luggage);
             }
         }
+        self.withdraw_judgements();
         for waiting in self.outbox.give_up() {
             if waiting.decided {
                 self.answer_kept(waiting);
@@ -177,6 +195,7 @@ impl Engine {
             recording.seq = self.outbox.record(wall, recording.fact.clone());
             self.mission.recording.push(recording);
         }
+        self.keep_back_anew();
     }
 
     pub(super) fn verdict_kept(&self, id: LuggageId) -> Option<Verdict> {

@@ -64,6 +64,7 @@ fn sweep_in(name: PhaseName, holds: &[Hold]) -> Engine {
         first_taken: WallTime::default(),
         photo: PhotoState::Taken { bytes: 1, take: 1 },
         verdict: None,
+        judged: Vec::new(),
         piece: None,
         secured: None,
         clock_set_ms: 0,
@@ -103,8 +104,8 @@ fn command(input: Input) -> Option<Command> {
         Input::Stop => Command::Stop,
         Input::BackHome => Command::BackHome,
         Input::GoOn => Command::GoOn,
-        Input::Safe => Command::Verdict { luggage, verdict: Verdict::Safe, note: None },
-        Input::Danger => Command::Verdict { luggage, verdict: Verdict::Danger, note: None },
+        Input::Safe => Command::Verdict { luggage, verdict: Verdict::Safe, note: None, hot: Default::default() },
+        Input::Danger => Command::Verdict { luggage, verdict: Verdict::Danger, note: None, hot: Default::default() },
         Input::TemperatureOk => Command::Temperature(TemperatureReport::Ok),
         Input::TemperatureTooHigh => Command::Temperature(TemperatureReport::TooHigh),
         Input::Reading => Command::Temperature(TemperatureReport::Reading(Celsius::new(20.0)?)),
@@ -160,7 +161,7 @@ fn a_hold_raised_during_a_mission_also_waits_for_a_start() {
 #[test]
 fn a_danger_that_comes_before_a_safe_is_kept_replaces_it() {
     let give = |engine: &mut Engine, verdict| {
-        let command = Command::Verdict { luggage: LuggageRef::Id(LuggageId(1)), verdict, note: None };
+        let command = Command::Verdict { luggage: LuggageRef::Id(LuggageId(1)), verdict, note: None, hot: Default::default() };
         engine.handle_command(Request::new(command, Issuer::operator(Door::LOCAL)), now(1))
     };
     let mut engine = sweep_in(PhaseName::Inspecting, &[]);

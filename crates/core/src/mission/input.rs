@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use crate::command::{Command, Issuer, LuggageRef, Move, Note, OPERATOR, Strategy, TemperatureReport, Verdict};
+use crate::command::{Command, Hot, Issuer, Move, Note, OPERATOR, Strategy, TemperatureReport, Verdict};
 use crate::event::{Obstacle, Photo};
 use crate::hold::HoldReason;
 use crate::phase::FaultCause;
@@ -76,6 +76,7 @@ pub(crate) struct InputContext {
     pub(crate) luggage: Option<LuggageId>,
     pub(crate) verdict: Option<Verdict>,
     pub(crate) note: Option<Note>,
+    pub(crate) hot: Hot,
     pub(crate) step: Option<Move>,
     pub(crate) cell: Option<Cell>,
     pub(crate) obstacle: Option<Obstacle>,
@@ -104,16 +105,13 @@ impl InputContext {
             Command::Reset => (Input::Reset, context),
             Command::Move(step) => (Input::Move, InputContext { step: Some(*step), ..context }),
             Command::Goto(cell) => (Input::Goto, InputContext { cell: Some(*cell), ..context }),
-            Command::Verdict { luggage, verdict, note } => {
-                let luggage = match luggage {
-                    LuggageRef::Id(id) => Some(*id),
-                    LuggageRef::Pending => pending,
-                };
+            Command::Verdict { luggage, verdict, note, hot } => {
+                let luggage = luggage.or(pending);
                 let input = match verdict {
                     Verdict::Safe => Input::Safe,
                     Verdict::Danger => Input::Danger,
                 };
-                (input, InputContext { luggage, verdict: Some(*verdict), note: note.clone(), ..context })
+                (input, InputContext { luggage, verdict: Some(*verdict), note: note.clone(), hot: *hot, ..context })
             }
             Command::RetakePhoto(id) => (Input::RetakePhoto, InputContext { luggage: Some(*id), ..context }),
             Command::Acknowledge(id) => (Input::Acknowledge, InputContext { alarm: Some(*id), ..context }),

@@ -4,15 +4,15 @@
 use std::fmt::Display;
 
 use crate::asked::Asked;
-use crate::command::{Command, Verdict};
+use crate::command::{Command, Hot, Verdict};
 use crate::hold::Hold;
 use crate::refused::Refused;
-use crate::settings::{AfterDanger, Rules};
+use crate::settings::{AfterDanger, HotRule, Rules, SafeBy};
 use crate::state::fact::{Fact, Unpacked, WrittenOut};
 use crate::state::{Conditions, Phase, Retrieval, RetrievalStage, Stage, Venue};
 use crate::units::LuggageId;
 use crate::world::hall_map::Mark;
-use crate::world::luggage::{Luggage, PhotoState};
+use crate::world::luggage::{Judgement, Luggage, PhotoState};
 
 /// Returns the English sentence for a fact, without a line break.
 #[must_use]
@@ -70,9 +70,14 @@ fn said(fact: &Fact) -> String {
             format!("cell {cell}: {}", if *mark == Mark::NotInspected { "not inspected" } else { mark.name() })
         }
         Fact::Luggage { record, .. } => luggage(record),
-        Fact::Verdict { luggage, verdict, who, note } => {
+        Fact::Verdict { luggage, verdict, who, note, hot } => {
             let note = note.as_ref().map(|note| format!(" (note: {note})")).unwrap_or_default();
-            format!("verdict on luggage #{luggage}: {}, by {who}{note}", verdict.name())
+            format!("verdict on luggage #{luggage}: {}, by {who}{}{note}", verdict.name(), answers(*hot))
+        }
+        Fact::Judged(judgement) => {
+            let Judgement { luggage, verdict, issuer, note, hot, .. } = &**judgement;
+            let note = note.as_ref().map(|note| format!(" (note: {note})")).unwrap_or_default();
+            format!("answer kept back until now: luggage #{luggage} {}, by {issuer}{}{note}", verdict.name(), answers(*hot))
         }
         Fact::Temperature(source, celsius) => format!("temperature {celsius}, by {source}"),
         Fact::ThermometerSilent(source) => format!("the thermometer of {source} fell silent"),
@@ -84,10 +89,16 @@ fn said(fact: &Fact) -> String {
 }
 
 /// Returns the rules that differ from the usual ones, each after a comma.
-fn rules_in_words(Rules { after_danger, keep_out_m }: Rules) -> String {
+fn rules_in_words(Rules { after_danger, keep_out_m, safe_by, hot }: Rules) -> String {
     let goes_on = (after_danger == AfterDanger::GoOn).then(|| ", the search goes on after danger".to_owned());
     let rings = (keep_out_m > 0.0).then(|| format!(", keep-out rings of {keep_out_m} m"));
-    goes_on.into_iter().chain(rings).collect()
+    let judges = (safe_by == SafeBy::Two).then(|| ", a piece is safe only by two judges".to_owned());
+    let hot = (hot == HotRule::Required).then(|| ", three answers are needed before a piece is safe".to_owned());
+    goes_on.into_iter().chain(rings).chain(judges).chain(hot).collect()
+}
+
+fn answers(hot: Hot) -> String {
+    if hot.is_empty() { String::new() } else { format!(" ({hot})") }
 }
 
 /// Formats milliseconds as hours, minutes and seconds, such as `13:00:05`. The sign is left out.
@@ -216,6 +227,7 @@ mod tests {
             first_taken: taken,
             photo,
             verdict: None,
+            judged: Vec::new(),
             piece: None,
             secured: None,
             clock_set_ms: 0,
@@ -237,7 +249,7 @@ mod tests {
             (LuggageRef::Pending, note.clone(), "safe #13 (note: as #13)"),
             (LuggageRef::Id(id), note, "safe #13 (note: as #13)"),
         ] {
-            let asked = Asked::Command(Command::Verdict { luggage, verdict: Verdict::Safe, note });
+            let asked = Asked::Command(Command::Verdict { luggage, verdict: Verdict::Safe, note, hot: Default::default() });
             assert_eq!(asked.about(Some(id)).to_string(), expect, "the piece that was meant is named once");
         }
     }

@@ -183,7 +183,12 @@ mod tests {
         check(asked(Command::Start, None, None), "START, by anna (http, 192.0.2.7)");
         let refused = "START refused, by anna (http, 192.0.2.7): the robot is moving: press STOP first";
         check(asked(Command::Start, None, Some(Refused::Moving)), refused);
-        let safe = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: Note::new("red") };
+        let safe = Command::Verdict {
+            luggage: LuggageRef::Pending,
+            verdict: Verdict::Safe,
+            note: Note::new("red"),
+            hot: Default::default(),
+        };
         check(asked(safe, Some(LuggageId(3)), None), "safe (note: red) #3, by anna (http, 192.0.2.7)");
     }
 
@@ -251,6 +256,7 @@ mod tests {
             first_taken: taken,
             photo,
             verdict: None,
+            judged: Vec::new(),
             piece: None,
             secured: None,
             clock_set_ms: 0,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::{Conditions, PersistentState, Phase, Retrieval};
 use crate::asked::Asked;
-use crate::command::{CommandId, Issuer, Note, Strategy, Verdict};
+use crate::command::{CommandId, Hot, Issuer, Note, Strategy, Verdict};
 use crate::event::Photo;
 use crate::hold::Hold;
 use crate::refused::Refused;
@@ -14,7 +14,7 @@ use crate::search::{Goal, Search};
 use crate::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Piece, Pose, Seq, WallTime};
 use crate::world::alarm::AlarmCause;
 use crate::world::hall_map::Mark;
-use crate::world::luggage::Luggage;
+use crate::world::luggage::{Judgement, Luggage};
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
@@ -77,7 +77,10 @@ pub enum Fact {
         verdict: Verdict,
         who: Arc<str>,
         note: Option<Note>,
+        hot: Hot,
     },
+    /// The answer of another judge, which was kept back until this entry.
+    Judged(Box<Judgement>),
     Temperature(Arc<str>, Celsius),
     /// The last reading of this source no longer counts as known.
     ThermometerSilent(Arc<str>),

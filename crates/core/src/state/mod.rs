@@ -22,7 +22,7 @@ use super::search::Search;
 use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId, MissionId, Pose, Revision, WallTime};
 use super::world::alarm::{Alarm, AlarmCause};
 use super::world::hall_map::{HallMap, Mark};
-use super::world::luggage::{Decision, Luggage};
+use super::world::luggage::{Decision, Judgement, Luggage};
 use super::world::records::LuggageRecords;
 use crate::command::{OPERATOR, Strategy};
 use crate::hold::{Hold, Holds};
@@ -148,10 +148,15 @@ impl PersistentState {
             Fact::Led(blinking) => self.led_blinking = *blinking,
             Fact::Mark(cell, mark) => self.mark(*cell, *mark, revision),
             Fact::Luggage { record, .. } => self.keep(record),
-            Fact::Verdict { luggage, verdict, who, note } => {
-                let decision = Decision { verdict: *verdict, who: Arc::clone(who), wall, note: note.clone() };
+            Fact::Verdict { luggage, verdict, who, note, hot } => {
+                let decision = Decision { verdict: *verdict, who: Arc::clone(who), wall, note: note.clone(), hot: *hot };
                 self.luggage.change(*luggage, |record| record.verdict = Some(decision));
             }
+            Fact::Judged(judgement) => self.luggage.change(judgement.luggage, |record| {
+                if !record.judged.contains(judgement) {
+                    record.judged.push(Judgement::clone(judgement));
+                }
+            }),
             Fact::Temperature(source, celsius) if **source == *OPERATOR => self.reading = Some(*celsius),
             Fact::Temperature(..) | Fact::ThermometerSilent(_) => {}
             Fact::AlarmRaised(id, luggage, cause) => self.alarm(*id, *luggage, cause, wall),
@@ -213,9 +218,10 @@ impl PersistentState {
     /// Stores a luggage record. If the piece is known already, it keeps its verdict and the time of its first photo.
     fn keep(&mut self, record: &Arc<Luggage>) {
         let known = self.luggage.get(record.id);
-        let (verdict, secured) = known.map_or((None, None), |known| (known.verdict.clone(), known.secured));
+        let (verdict, secured, judged) =
+            known.map_or_else(Default::default, |known| (known.verdict.clone(), known.secured, known.judged.clone()));
         let Luggage { first_taken, clock_set_ms, .. } = **known.unwrap_or(record);
-        self.luggage.insert(Arc::new(Luggage { verdict, secured, first_taken, clock_set_ms, ..Luggage::clone(record) }));
+        self.luggage.insert(Arc::new(Luggage { verdict, judged, secured, first_taken, clock_set_ms, ..Luggage::clone(record) }));
         self.pieces.extend(record.piece);
         self.last_luggage = self.last_luggage.max(record.id);
     }

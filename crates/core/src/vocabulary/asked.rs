@@ -35,8 +35,9 @@ impl Asked {
     #[must_use]
     pub fn about(&self, meant: Option<LuggageId>) -> Asked {
         match (self, meant) {
-            (Asked::Command(Command::Verdict { luggage: LuggageRef::Pending, verdict, note }), Some(id)) => {
-                Asked::Command(Command::Verdict { luggage: LuggageRef::Id(id), verdict: *verdict, note: note.clone() })
+            (Asked::Command(Command::Verdict { luggage: LuggageRef::Pending, verdict, note, hot }), Some(id)) => {
+                let (luggage, note) = (LuggageRef::Id(id), note.clone());
+                Asked::Command(Command::Verdict { luggage, verdict: *verdict, note, hot: *hot })
             }
             (asked, _) => asked.clone(),
         }

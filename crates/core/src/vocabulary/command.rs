@@ -78,6 +78,7 @@ pub enum Command {
         luggage: LuggageRef,
         verdict: Verdict,
         note: Option<Note>,
+        hot: Hot,
     },
     RetakePhoto(LuggageId),
     Acknowledge(AlarmId),
@@ -93,7 +94,7 @@ pub enum Carries<'a> {
     Alarm(AlarmId),
     Move(Move),
     Cell(Cell),
-    Verdict(LuggageRef, Verdict, Option<&'a Note>),
+    Verdict(LuggageRef, Verdict, Option<&'a Note>, Hot),
     Strategy(Strategy),
     Temperature(&'a TemperatureReport),
 }
@@ -146,7 +147,7 @@ impl Command {
             Command::Retrieve(Some(id)) => Carries::Luggage(*id),
             Command::Move(step) => Carries::Move(*step),
             Command::Goto(cell) => Carries::Cell(*cell),
-            Command::Verdict { luggage, verdict, note } => Carries::Verdict(*luggage, *verdict, note.as_ref()),
+            Command::Verdict { luggage, verdict, note, hot } => Carries::Verdict(*luggage, *verdict, note.as_ref(), *hot),
             Command::RetakePhoto(id) => Carries::Luggage(*id),
             Command::Acknowledge(id) => Carries::Alarm(*id),
             Command::ChooseStrategy(strategy) => Carries::Strategy(*strategy),
@@ -201,10 +202,13 @@ impl std::fmt::Display for Command {
             Command::Reset => f.write_str("RESET"),
             Command::Move(step) => write!(f, "move {}", step.in_words()),
             Command::Goto(cell) => write!(f, "goto {cell}"),
-            Command::Verdict { luggage, verdict, note } => {
+            Command::Verdict { luggage, verdict, note, hot } => {
                 f.write_str(verdict.name())?;
                 if let LuggageRef::Id(id) = luggage {
                     write!(f, " #{id}")?;
+                }
+                if !hot.is_empty() {
+                    write!(f, " ({hot})")?;
                 }
                 note.as_ref().map_or(Ok(()), |note| write!(f, " (note: {note})"))
             }
@@ -267,6 +271,59 @@ named! {
     }
 }
 
+named! {
+    ALL by name;
+    /// An answer to one of the three questions about a piece.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum HotAnswer {
+        Yes = "yes",
+        No = "no",
+        CannotSay = "cannotSay",
+    }
+}
+
+/// A judge's answers to the three questions about a piece: is it hidden, is it obviously suspicious, is it typical of
+/// this place? `None` for a question that was not answered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Hot {
+    pub hidden: Option<HotAnswer>,
+    pub obvious: Option<HotAnswer>,
+    pub typical: Option<HotAnswer>,
+}
+
+impl Hot {
+    /// No question is answered.
+    pub const NONE: Hot = Hot { hidden: None, obvious: None, typical: None };
+
+    /// Returns the questions by their names, with the answers.
+    #[must_use]
+    pub const fn answers(self) -> [(&'static str, Option<HotAnswer>); 3] {
+        [("hidden", self.hidden), ("obvious", self.obvious), ("typical", self.typical)]
+    }
+
+    #[must_use]
+    pub fn is_empty(self) -> bool {
+        self == Hot::NONE
+    }
+
+    #[must_use]
+    pub fn is_complete(self) -> bool {
+        self.answers().iter().all(|(_, answer)| answer.is_some())
+    }
+}
+
+impl std::fmt::Display for Hot {
+    /// Example: `hidden: no, typical: yes`.
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let given = self.answers().into_iter().filter_map(|(question, answer)| Some((question, answer?)));
+        for (n, (question, answer)) in given.enumerate() {
+            let answer = if answer == HotAnswer::CannotSay { "cannot say" } else { answer.name() };
+            write!(f, "{}{question}: {answer}", if n > 0 { ", " } else { "" })?;
+        }
+        Ok(())
+    }
+}
+
 /// An operator's note on a verdict, for later readers of the record.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Note(Arc<str>);
@@ -300,6 +357,17 @@ pub enum LuggageRef {
     Id(LuggageId),
     /// The one piece that waits for a verdict. Old clients send a verdict without a number and mean this piece.
     Pending,
+}
+
+impl LuggageRef {
+    /// Returns the number; `meant` if the sender named none.
+    #[must_use]
+    pub fn or(self, meant: Option<LuggageId>) -> Option<LuggageId> {
+        match self {
+            LuggageRef::Id(id) => Some(id),
+            LuggageRef::Pending => meant,
+        }
+    }
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -376,6 +444,8 @@ pub struct Accepted {
     /// The epoch after the command. The next movement command may carry this epoch.
     pub epoch: Epoch,
     pub luggage: Option<LuggageId>,
+    /// Whether the command is an answer of a judge that is kept back until another judge has answered.
+    pub is_kept_back: bool,
 }
 
 named! {

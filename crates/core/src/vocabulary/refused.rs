@@ -68,6 +68,9 @@ pub enum Refused {
     /// Without a photo, a piece cannot be declared safe.
     #[error("luggage #{0} has no usable photo: take it again, or answer danger")]
     NoPhoto(LuggageId),
+    /// The rules of the team ask for the three answers before a piece is declared safe.
+    #[error("luggage #{0} cannot be declared safe yet: answer whether it is hidden, obviously suspicious, typical of this place")]
+    HotUnanswered(LuggageId),
     /// Only the piece in front of the robot can be photographed.
     #[error("luggage #{0} is not the one being inspected")]
     NotInspected(LuggageId),
@@ -117,7 +120,7 @@ pub struct Refusal {
 
 /// Every code with its kind, for refusals that are read back. A test of an interface compares this list with the
 /// variants. The code of `NotOnRecord` is missing, because no command is answered with it.
-pub const CODES: [(&str, RefusalKind); 29] = {
+pub const CODES: [(&str, RefusalKind); 30] = {
     use RefusalKind::{Conflict, Forbidden, Mismatch, Unavailable, Unknown};
     [
         ("held", Conflict),
@@ -137,6 +140,7 @@ pub const CODES: [(&str, RefusalKind); 29] = {
         ("nothingPending", Conflict),
         ("decided", Conflict),
         ("noPhoto", Conflict),
+        ("hotUnanswered", Conflict),
         ("notInspected", Conflict),
         ("photoUnderWay", Conflict),
         ("unknownAlarm", Unknown),
@@ -177,6 +181,7 @@ impl Refused {
             | Refused::NothingPending
             | Refused::Decided { .. }
             | Refused::NoPhoto(_)
+            | Refused::HotUnanswered(_)
             | Refused::NotInspected(_)
             | Refused::PhotoUnderWay
             | Refused::NoRetrievalRobot
@@ -207,6 +212,7 @@ impl Refused {
             Refused::NothingPending => "nothingPending",
             Refused::Decided { .. } => "decided",
             Refused::NoPhoto(_) => "noPhoto",
+            Refused::HotUnanswered(_) => "hotUnanswered",
             Refused::NotInspected(_) => "notInspected",
             Refused::PhotoUnderWay => "photoUnderWay",
             Refused::UnknownAlarm(_) => "unknownAlarm",

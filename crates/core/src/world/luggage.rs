@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::command::{Note, Verdict};
+use crate::command::{Hot, Issuer, Note, Verdict};
 use crate::event::Photo;
 use crate::units::{Cell, LuggageId, Piece, Pose, WallTime};
 
@@ -18,6 +18,8 @@ pub struct Luggage {
     pub first_taken: WallTime,
     pub photo: PhotoState,
     pub verdict: Option<Decision>,
+    /// The answers of other judges, which were kept back until the verdict.
+    pub judged: Vec<Judgement>,
     /// The number that the camera recognised, if it recognised one.
     pub piece: Option<Piece>,
     pub secured: Option<WallTime>,
@@ -69,6 +71,19 @@ pub struct Decision {
     pub who: Arc<str>,
     pub wall: WallTime,
     pub note: Option<Note>,
+    pub hot: Hot,
+}
+
+/// The answer of one judge, while a verdict of safe needs two. Nobody but the judge sees it before the verdict.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Judgement {
+    pub luggage: LuggageId,
+    pub verdict: Verdict,
+    pub issuer: Issuer,
+    pub note: Option<Note>,
+    pub hot: Hot,
+    /// When the judge answered.
+    pub wall: WallTime,
 }
 
 impl Luggage {

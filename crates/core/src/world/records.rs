@@ -188,7 +188,13 @@ mod tests {
     use crate::world::luggage::{Decision, PhotoState};
 
     fn record(id: u64, verdict: Option<Verdict>) -> Arc<Luggage> {
-        let decision = |verdict| Decision { verdict, who: Arc::from("somebody"), wall: WallTime::default(), note: None };
+        let decision = |verdict| Decision {
+            verdict,
+            who: Arc::from("somebody"),
+            wall: WallTime::default(),
+            note: None,
+            hot: Default::default(),
+        };
         Arc::new(Luggage {
             id: LuggageId(id),
             cell: Cell::HOME,
@@ -197,6 +203,7 @@ mod tests {
             first_taken: WallTime::default(),
             photo: PhotoState::Failed("dark".to_owned()),
             verdict: verdict.map(decision),
+            judged: Vec::new(),
             piece: None,
             secured: None,
             clock_set_ms: 0,

@@ -163,7 +163,7 @@ fn after_a_stop_it_stands_whatever_it_was_doing() {
             rig.wait(Duration::from_secs(2));
             assert_eq!(place(&rig), stands, "{version:?} seed {seed}: {}", rig.trouble());
             if let Some(luggage) = rig.state().pending().map(|luggage| LuggageRef::Id(luggage.id)) {
-                rig.give(Command::Verdict { luggage, verdict: Verdict::Safe, note: None })
+                rig.give(Command::Verdict { luggage, verdict: Verdict::Safe, note: None, hot: Default::default() })
                     .expect("a pending piece can be judged");
             }
         }

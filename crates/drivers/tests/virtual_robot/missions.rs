@@ -118,7 +118,8 @@ fn on_danger_it_comes_home_and_the_bomb_is_located() {
     rig.give(Command::Start).expect("an idle robot starts");
     assert!(rig.until(300, |state| state.pending().is_some()));
     let luggage = LuggageRef::Id(rig.state().pending().expect("one is pending").id);
-    rig.give(Command::Verdict { luggage, verdict: Verdict::Danger, note: None }).expect("it can be judged");
+    rig.give(Command::Verdict { luggage, verdict: Verdict::Danger, note: None, hot: Default::default() })
+        .expect("it can be judged");
     assert!(rig.until(60, |state| state.mission.phase == PhaseName::BombLocated), "{}", rig.trouble());
     rig.assert_agrees();
     assert_eq!(rig.state().robot.pose.cell, Cell::HOME);

@@ -143,7 +143,8 @@ impl Rig {
             let Some(pending) = self.state().pending().map(|luggage| luggage.id) else { break };
             let verdict = hallsweep_core::command::Verdict::Safe;
             let luggage = hallsweep_core::command::LuggageRef::Id(pending);
-            self.give(Command::Verdict { luggage, verdict, note: None }).expect("a pending piece can be judged");
+            self.give(Command::Verdict { luggage, verdict, note: None, hot: Default::default() })
+                .expect("a pending piece can be judged");
             // Where something holds the robot, a verdict sets nothing moving.
             let _ = self.give(Command::Start);
         }

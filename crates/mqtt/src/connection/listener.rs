@@ -48,6 +48,8 @@ pub trait Listener: Send + Sync {
 pub enum CommandDecision {
     /// The message goes on to its subscribers, and is not retained.
     Pass,
+    /// The listener has taken the message, and nobody else gets it.
+    Keep,
     /// The sender may not send this command. No subscriber gets it, and a sender that uses MQTT 5 is told so.
     Forbidden,
 }

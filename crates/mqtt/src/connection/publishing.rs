@@ -143,6 +143,7 @@ impl ClientConnection {
         }
         let refused = match heard {
             CommandDecision::Forbidden => Some(Dropped::Forbidden),
+            CommandDecision::Keep => None,
             CommandDecision::Pass if is_unreleased => None,
             CommandDecision::Pass => self.pass_on(publish, topic).err(),
         };

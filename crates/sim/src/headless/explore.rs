@@ -149,7 +149,7 @@ fn answer(state: &Snapshot, hall: &Hall, verdicts: Verdicts) -> Option<Command> 
     if verdict == Verdict::Safe && !piece.has_photo() {
         return state.mission.refusals.retake.is_none().then_some(Command::RetakePhoto(piece.id));
     }
-    Some(Command::Verdict { luggage: LuggageRef::Id(piece.id), verdict, note: None })
+    Some(Command::Verdict { luggage: LuggageRef::Id(piece.id), verdict, note: None, hot: Default::default() })
 }
 
 fn is_bomb(luggage: &Luggage, hall: &Hall) -> bool {

@@ -232,9 +232,12 @@ impl Run {
             },
             Effect::Led(_, blinks) => self.sim.handle_led(blinks),
             Effect::Record(page) => {
-                let last = page.last();
+                let (last, kept_back) = (page.last(), page.kept_back);
                 self.journal.extend(page.entries);
                 self.engine.handle_event(Event::Recorded(last), self.now);
+                if let Some(kept_back) = kept_back {
+                    self.engine.handle_event(Event::KeptBack(kept_back.number), self.now);
+                }
             }
             Effect::Answer(ticket, answer) => drop(self.answers.insert(ticket, answer)),
         }

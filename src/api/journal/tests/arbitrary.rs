@@ -14,7 +14,7 @@ use behaviour_trees::Value as TreeValue;
 use hallsweep_core::arm::Parcel;
 use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{
-    Command, CommandId, Issuer, LuggageRef, Move, Note, Strategy as Order, TemperatureReport, Verdict,
+    Command, CommandId, Hot, HotAnswer, Issuer, LuggageRef, Move, Note, Strategy as Order, TemperatureReport, Verdict,
 };
 use hallsweep_core::hold::Hold;
 use hallsweep_core::not_fetched::{AloneFault, Fetcher, NotFetched, StuckFault};
@@ -25,7 +25,7 @@ use hallsweep_core::refused::Refused;
 use hallsweep_core::retrieval::Team;
 use hallsweep_core::robot::RobotId;
 use hallsweep_core::search::{Goal, Search};
-use hallsweep_core::settings::{AfterDanger, Rules};
+use hallsweep_core::settings::{AfterDanger, HotRule, Rules, SafeBy};
 use hallsweep_core::simulated::{Change, Simulated};
 use hallsweep_core::speed::Speed;
 use hallsweep_core::state::fact::{Entry, Fact, Unpacked, WrittenOut};
@@ -36,7 +36,7 @@ use hallsweep_core::state::{
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Piece, Pose, Revision, Seq, WallTime};
 use hallsweep_core::world::alarm::{Alarm, AlarmCause};
 use hallsweep_core::world::hall_map::{HallMap, Mark, REACH};
-use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
+use hallsweep_core::world::luggage::{Decision, Judgement, Luggage, PhotoState};
 
 const MARKS: [Mark; 6] = [Mark::Unknown, Mark::Seen, Mark::Visited, Mark::Wall, Mark::Luggage, Mark::NotInspected];
 
@@ -75,7 +75,9 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
         (cell(), prop_oneof![Just("wall"), Just("luggage"), Just("unknown")]).prop_map(|(cell, kind)| Fact::Obstacle(cell, kind)),
         (cell(), one_of(&MARKS)).prop_map(|(cell, mark)| Fact::Mark(cell, mark)),
         luggage().prop_map(|record| Fact::Luggage { record: Arc::new(record), photo: None }),
-        (any::<u64>(), verdict(), text(), note()).prop_map(|(id, verdict, who, note)| Fact::Verdict {
+        judgement().prop_map(|judgement| Fact::Judged(Box::new(judgement))),
+        (any::<u64>(), verdict(), text(), note(), hot()).prop_map(|(id, verdict, who, note, hot)| Fact::Verdict {
+            hot,
             luggage: LuggageId(id),
             verdict,
             who: who.into(),
@@ -99,8 +101,9 @@ fn conditions() -> impl Strategy<Value = Conditions> {
         address: address.map(Into::into),
     });
     let side = (option::of(0.01..100.0), any::<bool>());
-    let rules = (one_of(&AfterDanger::ALL), prop_oneof![Just(0.0), 0.1..Rules::WIDEST_M]);
-    let rules = rules.prop_map(|(after_danger, keep_out_m)| Rules { after_danger, keep_out_m });
+    let rings = prop_oneof![Just(0.0), 0.1..Rules::WIDEST_M];
+    let rules = (one_of(&AfterDanger::ALL), rings, one_of(&SafeBy::ALL), one_of(&HotRule::ALL));
+    let rules = rules.prop_map(|(after_danger, keep_out_m, safe_by, hot)| Rules { after_danger, keep_out_m, safe_by, hot });
     (text(), side, celsius(), reach, vec(robot, 0..3), option::of(any::<u64>()), rules).prop_map(
         |(hall, (cell_m, is_reckoned), threshold, reach, robots, seed, rules)| Conditions {
             venue: Venue { name: hall.into(), cell_m, is_reckoned, reach, robots: robots.into(), seed },
@@ -144,7 +147,12 @@ fn asked() -> impl Strategy<Value = Asked> {
         prop::sample::select(Command::BARE.to_vec()),
         one_of(&Move::ALL).prop_map(Command::Move),
         cell().prop_map(Command::Goto),
-        (piece, verdict(), note()).prop_map(|(luggage, verdict, note)| Command::Verdict { luggage, verdict, note }),
+        (piece, verdict(), note(), hot()).prop_map(|(luggage, verdict, note, hot)| Command::Verdict {
+            luggage,
+            verdict,
+            note,
+            hot
+        }),
         any::<u64>().prop_map(|id| Command::RetakePhoto(LuggageId(id))),
         any::<u64>().prop_map(|id| Command::Acknowledge(AlarmId(id))),
         one_of(&Order::ALL).prop_map(Command::ChooseStrategy),
@@ -386,16 +394,35 @@ fn note() -> impl Strategy<Value = Option<Note>> {
     text().prop_map(|text| Note::new(&text))
 }
 
+fn hot() -> impl Strategy<Value = Hot> {
+    let answer = || option::of(one_of(&HotAnswer::ALL));
+    (answer(), answer(), answer()).prop_map(|(hidden, obvious, typical)| Hot { hidden, obvious, typical })
+}
+
+fn judgement() -> impl Strategy<Value = Judgement> {
+    let issuer = (one_of(&DOORS), text(), text());
+    let issuer = issuer.prop_map(|(door, who, from)| Issuer { door, who: who.into(), from: from.into() });
+    (any::<u64>(), verdict(), issuer, note(), hot(), wall()).prop_map(|(luggage, verdict, issuer, note, hot, wall)| Judgement {
+        luggage: LuggageId(luggage),
+        verdict,
+        issuer,
+        note,
+        hot,
+        wall,
+    })
+}
+
 fn luggage() -> impl Strategy<Value = Luggage> {
     let photo = prop_oneof![
         (any::<usize>(), any::<u32>()).prop_map(|(bytes, take)| PhotoState::Taken { bytes, take }),
         text().prop_map(PhotoState::Failed),
     ];
-    let decision = (verdict(), text(), wall(), note());
-    let decision = decision.prop_map(|(verdict, who, wall, note)| Decision { verdict, who: who.into(), wall, note });
+    let decision = (verdict(), text(), wall(), note(), hot());
+    let decision = decision.prop_map(|(verdict, who, wall, note, hot)| Decision { verdict, who: who.into(), wall, note, hot });
+    let decision = (option::of(decision), vec(judgement(), 0..2));
     let piece = option::of(any::<u32>().prop_map(Piece));
-    (any::<u64>(), cell(), pose(), wall(), photo, option::of(decision), piece, (option::of(wall()), any::<i64>(), wall()))
-        .prop_map(|(id, cell, pose, taken, photo, verdict, piece, (secured, clock_set_ms, first_taken))| Luggage {
+    (any::<u64>(), cell(), pose(), wall(), photo, decision, piece, (option::of(wall()), any::<i64>(), wall())).prop_map(
+        |(id, cell, pose, taken, photo, (verdict, judged), piece, (secured, clock_set_ms, first_taken))| Luggage {
             id: LuggageId(id),
             cell,
             pose,
@@ -403,10 +430,12 @@ fn luggage() -> impl Strategy<Value = Luggage> {
             first_taken,
             photo,
             verdict,
+            judged,
             piece,
             secured,
             clock_set_ms,
-        })
+        },
+    )
 }
 
 fn alarm_cause() -> impl Strategy<Value = AlarmCause> {

@@ -115,7 +115,8 @@ mod tests {
             assert_eq!(word("w", format).unwrap(), Command::Move(Move::Forward));
             assert_eq!(word(" l\r\n", format).unwrap(), Command::Move(Move::TurnLeft));
             assert_eq!(word("\"x\"", format).unwrap(), Command::Move(Move::NudgeRight));
-            let safe = Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None };
+            let safe =
+                Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None, hot: Default::default() };
             assert_eq!(word("safe", format).unwrap(), safe);
         }
         assert_eq!(word("w", Some(Format::CBOR)).unwrap_err().code(), "unsupportedMediaType");

@@ -45,8 +45,14 @@ fn words(answer: &Answer) -> Vec<String> {
 #[tokio::test]
 async fn every_command_reaches_the_loop_as_what_it_says() {
     let app = app(searching());
-    let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict, note: None };
-    let noted = Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict: Verdict::Safe, note: Note::new("red") };
+    let verdict =
+        |verdict| Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict, note: None, hot: Default::default() };
+    let noted = Command::Verdict {
+        luggage: LuggageRef::Id(LuggageId(3)),
+        verdict: Verdict::Safe,
+        note: Note::new("red"),
+        hot: Default::default(),
+    };
     let cases = [
         (post("/commands/start", ""), Command::Start),
         (post("/commands/start", "{}"), Command::Start),
@@ -392,7 +398,7 @@ async fn an_old_client_is_answered_in_a_word() {
     let cases = [
         ("w", Command::Move(Move::Forward)),
         ("h", Command::Stop),
-        ("safe", Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None }),
+        ("safe", Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None, hot: Default::default() }),
     ];
     for (word, command) in cases {
         for request in [put("/resourcemodel", word), post("/resourcemodel", word)] {

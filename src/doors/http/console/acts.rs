@@ -7,7 +7,7 @@ use super::super::reading::needed;
 use crate::api::command::{self, StrategyBody};
 use crate::api::commands::{CommandKind, CommandRow};
 use crate::api::fields::in_short;
-use hallsweep_core::command::{Command, LuggageRef, Note, TemperatureReport, Verdict};
+use hallsweep_core::command::{Command, Hot, LuggageRef, Note, TemperatureReport, Verdict};
 use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
 
 /// The fields of all forms of the page. A field that a form does not have is `None`.
@@ -24,18 +24,24 @@ pub(in crate::doors::http) struct Fields {
     celsius: Option<String>,
     note: Option<String>,
     luggage: Option<String>,
+    hidden: Option<String>,
+    obvious: Option<String>,
+    typical: Option<String>,
 }
 
-/// The note that the operator typed. It comes from the query of the confirmation page (`?note=…`).
+/// The remarks of the operator beside a verdict. They come from the query of the confirmation page (`?note=…`).
 #[derive(Debug, Default, Deserialize)]
-pub(in crate::doors::http) struct TypedNote {
+pub(in crate::doors::http) struct TypedRemarks {
     #[serde(default)]
     note: String,
+    hidden: Option<String>,
+    obvious: Option<String>,
+    typical: Option<String>,
 }
 
-impl TypedNote {
-    pub(super) fn note(&self) -> Result<Option<Note>, Problem> {
-        note(&self.note)
+impl TypedRemarks {
+    pub(super) fn remarks(&self) -> Result<(Option<Note>, Hot), Problem> {
+        Ok((note(&self.note)?, hot([&self.hidden, &self.obvious, &self.typical])?))
     }
 }
 
@@ -89,7 +95,8 @@ impl Fields {
 
     fn verdict(&self, verdict: Verdict) -> Result<Command, Problem> {
         let note = self.note.as_deref().map(note).transpose()?.flatten();
-        Ok(Command::Verdict { luggage: LuggageRef::Id(LuggageId(self.id()?)), verdict, note })
+        let hot = hot([&self.hidden, &self.obvious, &self.typical])?;
+        Ok(Command::Verdict { luggage: LuggageRef::Id(LuggageId(self.id()?)), verdict, note, hot })
     }
 
     fn id(&self) -> Result<u64, Problem> {
@@ -117,6 +124,15 @@ fn note(typed: &str) -> Result<Option<Note>, Problem> {
     Ok(command::note(&line.join(" "))?)
 }
 
+/// Reads the answers to the three questions, in the order of `Hot::answers`. A form sends an empty text for a question
+/// that was not answered.
+fn hot([hidden, obvious, typical]: [&Option<String>; 3]) -> Result<Hot, Problem> {
+    let answer = |question: &str, given: &Option<String>| {
+        command::hot_answer(question, given.as_deref().filter(|given| !given.is_empty()))
+    };
+    Ok(Hot { hidden: answer("hidden", hidden)?, obvious: answer("obvious", obvious)?, typical: answer("typical", typical)? })
+}
+
 fn number<T: std::str::FromStr>(name: &str, text: &str) -> Result<T, Problem> {
     text.trim().parse().map_err(|_| Problem::unusable(format!("{name} is {:?}: enter a number", in_short(text))))
 }
@@ -125,6 +141,7 @@ fn number<T: std::str::FromStr>(name: &str, text: &str) -> Result<T, Problem> {
 mod tests {
     use super::*;
     use axum::http::Method;
+    use hallsweep_core::command::HotAnswer;
     use hallsweep_core::units::Cell;
 
     #[test]
@@ -138,6 +155,9 @@ mod tests {
             name: Some("snail".to_owned()),
             status: None,
             luggage: Some("3".to_owned()),
+            hidden: Some("no".to_owned()),
+            obvious: Some("cannotSay".to_owned()),
+            typical: Some(String::new()),
             celsius: Some("21,5".to_owned()),
             note: Some(" a lunch\r\n\tbox".to_owned()),
         };
@@ -149,7 +169,8 @@ mod tests {
         }
         assert_eq!(fields.command("goto").unwrap().0, Command::Goto(Cell::new(1, -2)));
         let (luggage, note) = (LuggageRef::Id(LuggageId(3)), Note::new("a lunch box"));
-        assert_eq!(fields.command("safe").unwrap().0, Command::Verdict { luggage, verdict: Verdict::Safe, note });
+        let hot = Hot { hidden: Some(HotAnswer::No), obvious: Some(HotAnswer::CannotSay), typical: None };
+        assert_eq!(fields.command("safe").unwrap().0, Command::Verdict { luggage, verdict: Verdict::Safe, note, hot });
     }
 
     #[test]

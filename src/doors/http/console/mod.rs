@@ -40,7 +40,8 @@ use crate::api::answer::AnswerJson;
 use crate::api::door;
 use crate::runtime::carry_out::Done;
 pub(super) use acts::buttons;
-use acts::{Fields, TypedNote};
+use acts::{Fields, TypedRemarks};
+use hallsweep_core::command::{Accepted, Hot};
 use hallsweep_core::units::LuggageId;
 use page::ConsolePage;
 use view::{HallInfo, View, Who, Why};
@@ -97,6 +98,11 @@ async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields
     let by_script = is_by_script(headers);
     let mut response = match done {
         Ok(Done { accepted, snapshot }) if by_script => axum::Json(AnswerJson::new(accepted, &snapshot)).into_response(),
+        Ok(Done { accepted: Accepted { is_kept_back: true, luggage, .. }, .. }) => {
+            let to = PageReader::new(sender.caller.clone(), headers);
+            let said = to.language.say("kept-back").with("id", luggage.unwrap_or_default()).to_string();
+            whole(&sender.door, &to, Some(Why::new("verdict", &said))).await.into_response()
+        }
         Ok(_) => Redirect::to("/").into_response(),
         Err(problem) if by_script => problem.told(spoken(headers)),
         Err(problem) => {
@@ -114,16 +120,17 @@ pub(super) async fn confirm_danger(
     State(door): State<HttpDoor>,
     to: PageReader,
     Number(id): Number,
-    typed: Result<Query<TypedNote>, QueryRejection>,
+    typed: Result<Query<TypedRemarks>, QueryRejection>,
 ) -> Response {
     let snapshot = door.handle.snapshot();
-    let (button, problem) = match (snapshot.luggage(LuggageId(id)), typed.map_or(Ok(None), |Query(typed)| typed.note())) {
-        (Some(luggage), Ok(note)) => {
-            return html(&parts::Confirm::danger(to.language, luggage, note, door.settings.rules)).into_response();
-        }
-        (Some(_), Err(problem)) => ("verdict", problem),
-        (None, _) => ("page", Problem::no_luggage(id)),
-    };
+    let (button, problem) =
+        match (snapshot.luggage(LuggageId(id)), typed.map_or(Ok((None, Hot::NONE)), |Query(typed)| typed.remarks())) {
+            (Some(luggage), Ok((note, hot))) => {
+                return html(&parts::Confirm::danger(to.language, luggage, note, hot, door.settings.rules)).into_response();
+            }
+            (Some(_), Err(problem)) => ("verdict", problem),
+            (None, _) => ("page", Problem::no_luggage(id)),
+        };
     refused_page(&door, &to, button, &problem).await
 }
 
@@ -350,7 +357,10 @@ mod tests {
         assert_eq!(app.get("/console/confirm/danger/9").await.status(), 404);
         assert_eq!(app.form("/console/danger", "id=3").await.status(), 303);
         let luggage = LuggageRef::Id(LuggageId(3));
-        assert_eq!(app.last().command, Command::Verdict { luggage, verdict: Verdict::Danger, note: None });
+        assert_eq!(
+            app.last().command,
+            Command::Verdict { luggage, verdict: Verdict::Danger, note: None, hot: Default::default() }
+        );
     }
 
     #[tokio::test]
@@ -363,7 +373,7 @@ mod tests {
         assert!(text(endless).await.contains("id=\"why-verdict\" role=\"alert\">the note has 501 characters: the limit is 500"));
         assert_eq!(app.form("/console/danger", "id=3&note=%3Cb%3E+red%0D%0Abag").await.status(), 303);
         let (luggage, note) = (LuggageRef::Id(LuggageId(3)), Note::new("<b> red bag"));
-        assert_eq!(app.last().command, Command::Verdict { luggage, verdict: Verdict::Danger, note });
+        assert_eq!(app.last().command, Command::Verdict { luggage, verdict: Verdict::Danger, note, hot: Default::default() });
     }
 
     #[tokio::test]

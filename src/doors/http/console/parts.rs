@@ -19,7 +19,7 @@ use crate::api::time::rfc3339;
 use crate::phrases::{Language, Phrase};
 use behaviour_trees::Status;
 use hallsweep_core::arm::ArmState;
-use hallsweep_core::command::{Note, Strategy};
+use hallsweep_core::command::{Hot, HotAnswer, Note, Strategy};
 use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::refused::Refused;
@@ -124,10 +124,11 @@ pub(super) struct Confirm {
     id: Option<LuggageId>,
     photo: Option<String>,
     note: Option<Note>,
+    hot: Hot,
 }
 
 impl Confirm {
-    pub(super) fn danger(language: Language, luggage: &Luggage, note: Option<Note>, rules: Rules) -> Confirm {
+    pub(super) fn danger(language: Language, luggage: &Luggage, note: Option<Note>, hot: Hot, rules: Rules) -> Confirm {
         Confirm {
             language,
             question: language.say("danger-question").with("id", luggage.id).to_string(),
@@ -137,7 +138,12 @@ impl Confirm {
             id: Some(luggage.id),
             photo: photo_url(luggage),
             note,
+            hot,
         }
+    }
+
+    fn answers(&self) -> Option<String> {
+        self.language.hot(self.hot)
     }
 
     pub(super) fn reset(language: Language) -> Confirm {
@@ -150,6 +156,7 @@ impl Confirm {
             id: None,
             photo: None,
             note: None,
+            hot: Hot::NONE,
         }
     }
 }

@@ -20,7 +20,7 @@ use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::refused::Refused;
 use hallsweep_core::robot::RobotState;
-use hallsweep_core::settings::{AfterDanger, Rules};
+use hallsweep_core::settings::{AfterDanger, HotRule, Rules, SafeBy};
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::snapshot::robot::RobotView;
 use hallsweep_core::state::{Conditions, Participant, Venue};
@@ -324,6 +324,15 @@ impl View<'_> {
         let mission = &self.snapshot.mission;
         let is_after_find = matches!(mission.phase, PhaseName::BombLocated | PhaseName::BagSecured);
         is_after_find && self.then.is_none() && mission.progress.unknown > 0
+    }
+
+    /// Whether a *safe* needs two judges.
+    pub(super) fn asks_two(&self) -> bool {
+        self.hall.rules.safe_by == SafeBy::Two
+    }
+
+    pub(super) fn is_hot_required(&self) -> bool {
+        self.hall.rules.hot == HotRule::Required
     }
 
     /// Returns what follows from the verdict DANGER.

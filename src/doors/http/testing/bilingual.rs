@@ -7,7 +7,7 @@ use super::{TestApp, text};
 
 const BROWSER: (&str, &str) = ("accept", "text/html,application/xhtml+xml,*/*;q=0.8");
 
-const NAMES: [&str; 4] = ["hallsweep", "API", "STOP", "· Esc"];
+const NAMES: [&str; 5] = ["hallsweep", "API", "STOP", "· Esc", "no"];
 
 impl TestApp {
     /// Returns the Italian page for this request. A text that is the same on the English page must be in `names`.

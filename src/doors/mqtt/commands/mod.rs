@@ -28,6 +28,7 @@ use crate::runtime::figures::Figures;
 use crate::runtime::handle::Handle;
 use hallsweep_core::command::{Command, Request};
 use hallsweep_core::phase::PhaseName;
+use hallsweep_core::settings::SafeBy;
 use hallsweep_core::units::Epoch;
 use hallsweep_core::world::luggage::PhotoState;
 use mqtt_gate::{AnswerTo, filter};
@@ -52,6 +53,8 @@ pub enum Taken {
     NotACommand,
     /// The message contains a command. Its result is published and recorded.
     Taken,
+    /// The message contains a verdict that other clients must not read, because it may be the first of two.
+    InConfidence,
     /// The sender may not publish this message. If it contains a command, the refusal is published and recorded.
     /// Messages above the sender's rate are dropped instead.
     Forbidden,
@@ -65,6 +68,8 @@ pub struct Commands {
     rate: Arc<CommandRate>,
     nobody: Arc<Nobody>,
     clock: Clock,
+    /// Whether a *safe* needs two judges, so that nobody may read a verdict here.
+    keeps_verdicts: bool,
 }
 
 impl Commands {
@@ -72,7 +77,11 @@ impl Commands {
     pub fn new(handle: Handle, topics: Topics, manual_driving: bool, answers: mpsc::Sender<ResultMessage>) -> Commands {
         let parser = Arc::new(CommandParser::new(topics, manual_driving));
         let (rate, nobody) = (Arc::default(), Arc::default());
-        Commands { handle, parser, results: Results::new(answers), rate, nobody, clock: Clock::default() }
+        Commands { handle, parser, results: Results::new(answers), rate, nobody, clock: Clock::default(), keeps_verdicts: false }
+    }
+
+    pub fn with_judges(self, safe_by: SafeBy) -> Commands {
+        Commands { keeps_verdicts: safe_by == SafeBy::Two, ..self }
     }
 
     /// Returns the topic that the sender requested for an answer, if the sender may publish there itself. Topics of
@@ -125,7 +134,8 @@ impl Commands {
             Ok((command, epoch)) => self.give(&parsed, command, *epoch, Some(heard), publisher),
             Err(problem) => self.refuse(&parsed, problem, publisher),
         }
-        Taken::Taken
+        let is_verdict = matches!(parsed.asked, Ok((Command::Verdict { .. }, _)));
+        if is_verdict && self.keeps_verdicts { Taken::InConfidence } else { Taken::Taken }
     }
 
     /// Halts the robot if a message names STOP, whatever else is wrong with the message (safety S8). Returns whether
@@ -183,7 +193,8 @@ impl Commands {
         let request = Request { id, epoch, arrived, is_again, ..Request::new(command.clone(), publisher.issuer()) };
         let given = self.handle.carry_out(request);
         if let Ok(permit) = permit {
-            self.results.follow(given, parsed.reply.clone(), publisher.clone(), permit);
+            let is_confidential = self.keeps_verdicts && matches!(command, Command::Verdict { .. });
+            self.results.follow(given, parsed.reply.clone().confidential(is_confidential), publisher.clone(), permit);
         }
     }
 

@@ -19,7 +19,7 @@ use crate::api::result::ResultJson;
 use crate::doors::connection_limits::{Permit, ResultQuota};
 use crate::doors::log_throttle::LogThrottle;
 use crate::runtime::carry_out::{Done, NotDone};
-use hallsweep_core::command::CommandId;
+use hallsweep_core::command::{Accepted, CommandId};
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::refused::Refused;
 use mqtt_gate::AnswerTo;
@@ -64,9 +64,15 @@ pub(super) struct Reply {
     pub(super) id: Option<CommandId>,
     /// The old topic on which an old client is told why its command is refused.
     pub(super) explained: Option<String>,
+    /// Whether nothing is published while the piece still waits for its verdict, because everybody may read a result.
+    pub(super) is_confidential: bool,
 }
 
 impl Reply {
+    pub(super) fn confidential(self, is_confidential: bool) -> Reply {
+        Reply { is_confidential, ..self }
+    }
+
     pub(super) fn is_wanted(&mut self, wanted: Option<AnswerTo<'_>>) {
         if let (Some(topic), Some(wanted)) = (&mut self.topic, wanted) {
             wanted.topic.clone_into(topic);
@@ -97,6 +103,8 @@ impl Results {
         let results = self.clone();
         tokio::spawn(async move {
             match tokio::time::timeout(PATIENCE, done).await {
+                Ok(Ok(Done { accepted: Accepted { is_kept_back: true, .. }, .. })) => {}
+                Ok(Err(NotDone::Refused(_, Some(piece)))) if reply.is_confidential && piece.is_pending() => {}
                 Ok(Ok(done)) => results.accepted(&reply, &publisher, &done),
                 Ok(Err(not_done)) => results.refused(&reply, &publisher, &not_done.into()),
                 Err(_) => results.refused(&reply, &publisher, &Problem::no_answer(PATIENCE)),

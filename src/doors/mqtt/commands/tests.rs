@@ -19,8 +19,14 @@ fn event(id: &str) -> String {
 }
 
 fn all_commands() -> Vec<(&'static str, &'static str, Command)> {
-    let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict, note: None };
-    let noted = Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict: Verdict::Safe, note: Note::new("red") };
+    let verdict =
+        |verdict| Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict, note: None, hot: Default::default() };
+    let noted = Command::Verdict {
+        luggage: LuggageRef::Id(LuggageId(3)),
+        verdict: Verdict::Safe,
+        note: Note::new("red"),
+        hot: Default::default(),
+    };
     let temperature = Command::Temperature;
     vec![
         ("start", "", Command::Start),
@@ -140,7 +146,13 @@ async fn what_is_wrong_is_refused_in_words_and_put_on_record() {
         ("verdict", r#"{"verdict":"safe"}"#, 422, "unusable", "`luggage` is missing: send {\"luggage\":3,"),
         ("verdict", r#"{"luggage":"3","verdict":"safe"}"#, 422, "unusable", "`luggage` is \"3\": send a whole number from 0"),
         ("verdict", r#"{"luggage":3,"verdict":"maybe"}"#, 422, "unusable", "\"maybe\" is no verdict"),
-        ("verdict", r#"{"luggage":3,"word":"safe"}"#, 422, "unusable", "its fields are verdict, note, id, luggage"),
+        (
+            "verdict",
+            r#"{"luggage":3,"word":"safe"}"#,
+            422,
+            "unusable",
+            "its fields are verdict, note, hidden, obvious, typical, id, luggage",
+        ),
         ("verdict", r#"{"luggage":3,"verdict":"safe","note":"a\nb"}"#, 422, "unusable", "the invisible character '\\n'"),
         ("verdict", r#"{"luggage":3,"verdict":"safe","note":7}"#, 422, "unusable", "`note` is 7: send a text in quotes"),
         ("retake", "{}", 422, "unusable", "`luggage` is missing: send {\"luggage\":3}"),
@@ -308,7 +320,7 @@ async fn whoever_commands_through_another_broker_is_known_by_that_broker_alone()
 #[tokio::test]
 async fn messages_of_the_original_system_command_and_are_answered_by_none() {
     let mut app = app(searching());
-    let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Pending, verdict, note: None };
+    let verdict = |verdict| Command::Verdict { luggage: LuggageRef::Pending, verdict, note: None, hot: Default::default() };
     for (id, command) in [
         ("startCmd", Command::Start),
         ("backHomeCmd", Command::BackHome),

@@ -224,7 +224,7 @@ fn writer(scratch: &Scratch) -> (Writer, Arc<WriterStatus>) {
 }
 
 fn page(first: u64, facts: Vec<Fact>) -> Page {
-    Page { first: Seq(first), entries: facts.into_iter().map(at_noon).collect() }
+    Page { first: Seq(first), entries: facts.into_iter().map(at_noon).collect(), kept_back: None }
 }
 
 /// Like `writer`, with five stored entries: they have a mission, and a piece that waits for its verdict.
@@ -370,7 +370,7 @@ fn what_was_given_up_before_the_last_step_is_not_written() {
     let (mut writer, status) = writer(&scratch);
     let losses = status.begin();
     status.give_up(status.at_work().unwrap(), "the disk does not answer");
-    let page = Page { first: Seq(1), entries: vec![at_noon(wall(1, 1))] };
+    let page = Page { first: Seq(1), entries: vec![at_noon(wall(1, 1))], kept_back: None };
     assert!(writer.write(&[page], losses).is_err());
     assert_eq!(recalled(&scratch.data()).unwrap(), None);
 }

@@ -64,7 +64,7 @@ fn what_was_kept_stands_at_the_next_start() {
     let entries: Vec<Entry> = pages.concat().into_iter().map(at_noon).collect();
     let commands = vec![at_noon(command(Some("a-1")))];
     let latest = recalled.latest.clone();
-    assert_eq!(recalled, Recalled { state: fold(&entries), written: Seq(7), commands, latest });
+    assert_eq!(recalled, Recalled { state: fold(&entries), written: Seq(7), commands, kept_back: Vec::new(), latest });
     assert!(recalled.state.luggage[0].is_dangerous());
 }
 
@@ -92,7 +92,12 @@ fn harmless() -> impl Strategy<Value = Fact> {
     arbitrary::fact().prop_filter("numbers beyond 2^63", |fact| {
         !matches!(
             fact,
-            Fact::MissionBegan(..) | Fact::MissionArchived(..) | Fact::Verdict { .. } | Fact::Luggage { .. } | Fact::Secured(_)
+            Fact::MissionBegan(..)
+                | Fact::MissionArchived(..)
+                | Fact::Judged(_)
+                | Fact::Verdict { .. }
+                | Fact::Luggage { .. }
+                | Fact::Secured(_)
         ) && !matches!(fact, Fact::State(_))
     })
 }
@@ -268,7 +273,8 @@ fn a_safe_that_a_danger_overtook_stands_there_as_refused() {
         let Fact::Command { issuer, .. } = command(None) else { unreachable!("it is a command") };
         let id = CommandId::new(&format!("of-{luggage}-{}", verdict.name()));
         let luggage = LuggageId(luggage);
-        let asked = Asked::Command(Command::Verdict { luggage: LuggageRef::Id(luggage), verdict, note: None });
+        let asked =
+            Asked::Command(Command::Verdict { luggage: LuggageRef::Id(luggage), verdict, note: None, hot: Default::default() });
         Fact::Command { issuer, id, asked, epoch: None, luggage: Some(luggage), refused: None }
     };
     scribe.keep(vec![said(1, Verdict::Safe), verdict(1, Verdict::Safe)]);

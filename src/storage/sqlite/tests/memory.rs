@@ -38,6 +38,7 @@ fn luggage(id: u64, photo: Result<&str, &str>) -> Entry {
         first_taken: taken,
         photo: state,
         verdict: None,
+        judged: Vec::new(),
         piece: None,
         secured: None,
         clock_set_ms: 0,
@@ -64,7 +65,7 @@ fn kept(memory: &MemoryStore) -> Seq {
 fn record(memory: &mut MemoryStore, entries: impl IntoIterator<Item = Entry>) {
     for entry in entries {
         let next = kept(memory).next();
-        memory.record(Page { first: next, entries: vec![entry] }, 0);
+        memory.record(Page { first: next, entries: vec![entry], kept_back: None }, 0);
     }
 }
 
@@ -90,7 +91,13 @@ fn every_clone_sees_the_newest_photo_of_a_piece() {
 #[test]
 fn a_piece_is_found_with_its_verdict_whatever_mission_it_was_of() {
     let mut memory = MemoryStore::new();
-    let verdict = Fact::Verdict { luggage: LuggageId(1), verdict: Verdict::Safe, who: "operator".into(), note: None };
+    let verdict = Fact::Verdict {
+        luggage: LuggageId(1),
+        verdict: Verdict::Safe,
+        who: "operator".into(),
+        note: None,
+        hot: Default::default(),
+    };
     record(&mut memory, [luggage(1, Ok("first")), Entry { wall: WallTime::default(), fact: verdict }, luggage(2, Err("dark"))]);
     let first = memory.archive().luggage(LuggageId(1)).unwrap().expect("the first piece is kept");
     assert_eq!((first.verdict_name(), first.has_photo()), ("safe", true));
@@ -190,9 +197,9 @@ fn a_mission_that_is_over_is_read_as_it_ended() {
     let at = |fact| Entry { wall: WallTime::default(), fact };
     let mission = MissionId(1);
     let began = vec![phase(), at(Fact::MissionBegan(mission, Strategy::Snail)), luggage(1, Ok("first"))];
-    memory.record(Page { first: Seq(1), entries: began }, 0);
+    memory.record(Page { first: Seq(1), entries: began, kept_back: None }, 0);
     let archived = Fact::MissionArchived(mission, vec![LuggageId(1)]);
-    memory.record(Page { first: Seq(4), entries: vec![at(Fact::Phase(Phase::Idle)), at(archived), phase()] }, 0);
+    memory.record(Page { first: Seq(4), entries: vec![at(Fact::Phase(Phase::Idle)), at(archived), phase()], kept_back: None }, 0);
     let record = memory.archive().mission(mission).unwrap().expect("it was there");
     assert_eq!((&*record.phase, record.luggage, record.archived.is_some()), ("exploring", 1, true));
     assert_eq!(memory.archive().missions(None, 9).unwrap(), [record]);
@@ -211,7 +218,8 @@ fn how_a_mission_ended_is_known_when_its_entries_have_given_way() {
     let mission = MissionId(1);
     record(&mut memory, [phase(), at(Fact::MissionBegan(mission, Strategy::Snail)), luggage(1, Ok("first"))]);
     let archived = at(Fact::MissionArchived(mission, Vec::new()));
-    memory.record(Page { first: kept(&memory).next(), entries: vec![at(Fact::Phase(Phase::Idle)), archived] }, 0);
+    memory
+        .record(Page { first: kept(&memory).next(), entries: vec![at(Fact::Phase(Phase::Idle)), archived], kept_back: None }, 0);
     record(&mut memory, (0..ENTRIES).map(|_| at(Fact::Phase(Phase::Idle))).chain([standing(), phase()]));
     assert_eq!(memory.archive().entries(mission, Span::after(Seq(0)), 9).unwrap(), []);
     let state = memory.archive().state(mission).unwrap().expect("it was there").of;

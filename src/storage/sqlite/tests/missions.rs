@@ -158,7 +158,12 @@ fn a_safe_stands_as_accepted_up_to_the_danger_that_overtakes_it_and_behind_that_
     };
     let Fact::Command { issuer, id, epoch, refused, .. } = command(None) else { unreachable!("it is a command") };
     let luggage = LuggageId(1);
-    let asked = Asked::Command(Command::Verdict { luggage: LuggageRef::Id(luggage), verdict: Verdict::Safe, note: None });
+    let asked = Asked::Command(Command::Verdict {
+        luggage: LuggageRef::Id(luggage),
+        verdict: Verdict::Safe,
+        note: None,
+        hot: Default::default(),
+    });
     let safe = Fact::Command { issuer, id, asked, epoch, luggage: Some(luggage), refused };
     let standing = |facts: &[Fact]| {
         let entries: Vec<Entry> = facts.iter().cloned().map(at_noon).collect();

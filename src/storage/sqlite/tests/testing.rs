@@ -81,7 +81,7 @@ impl Scribe {
     }
 
     fn hand_entries(&mut self, entries: Vec<Entry>, losses: u64) -> Seq {
-        let page = Page { first: self.written.next(), entries };
+        let page = Page { first: self.written.next(), entries, kept_back: None };
         self.written = page.last();
         self.opened.store.record(page, losses);
         self.written
@@ -166,6 +166,7 @@ pub(super) fn found(id: u64, photo: Option<Photo>) -> Fact {
         first_taken: WallTime::default(),
         photo: taken.unwrap_or(PhotoState::Failed("dark".to_owned())),
         verdict: None,
+        judged: Vec::new(),
         piece: None,
         secured: None,
         clock_set_ms: 0,
@@ -180,7 +181,7 @@ pub(super) fn taken(id: u64, take: u32, photo: Photo) -> Fact {
 }
 
 pub(super) fn verdict(id: u64, verdict: Verdict) -> Fact {
-    Fact::Verdict { luggage: LuggageId(id), verdict, who: "anna".into(), note: None }
+    Fact::Verdict { luggage: LuggageId(id), verdict, who: "anna".into(), note: None, hot: Default::default() }
 }
 
 pub(super) fn wall(x: i32, y: i32) -> Fact {

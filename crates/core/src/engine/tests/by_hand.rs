@@ -186,6 +186,7 @@ fn moment(name: PhaseName, table: &'static str, holds: &[Hold]) -> Engine {
             who: Issuer::operator(Door::LOCAL).who,
             wall: WallTime::default(),
             note: None,
+            hot: Default::default(),
         };
         let luggage = Luggage { verdict: Some(decision), ..Luggage::clone(&engine.state.luggage[0]) };
         engine.state.luggage.insert(Arc::new(luggage));
@@ -393,7 +394,13 @@ fn after_a_fetch_the_next_bomb_comes_first_and_then_the_rest_of_the_search() {
         let mut engine = moment(name, PENDING, &[]);
         engine.state.led_blinking = searches;
         if bomb {
-            let verdict = Fact::Verdict { luggage: LuggageId(1), verdict: Verdict::Danger, who: "anna".into(), note: None };
+            let verdict = Fact::Verdict {
+                luggage: LuggageId(1),
+                verdict: Verdict::Danger,
+                who: "anna".into(),
+                note: None,
+                hot: Default::default(),
+            };
             engine.state.follow(&verdict, WallTime::default(), Revision(1));
         }
         engine.feed(input, &InputContext::default());

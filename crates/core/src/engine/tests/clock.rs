@@ -64,7 +64,8 @@ fn a_clock_that_was_set_back_while_the_program_was_off_is_on_record_before_its_s
     let at = |unix_ms| Now { wall: WallTime { unix_ms, offset_s: 0 }, ..now(0) };
     for (began, back) in [(40_000, Some(-60_000)), (99_000, None), (5_000_000, None)] {
         let state = sweep_in(PhaseName::Inspecting, &[]).persistent_state();
-        let recalled = Recalled { state, written: Seq(9), commands: Vec::new(), latest: vec![line.clone()] };
+        let recalled =
+            Recalled { state, written: Seq(9), commands: Vec::new(), kept_back: Vec::new(), latest: vec![line.clone()] };
         let mut engine = Engine::recall(Settings::default(), "again".into(), recalled, at(began));
         let facts = recorded(&mut engine);
         let set = facts.iter().find_map(|fact| if let Fact::ClockSet(by_ms) = fact { Some(*by_ms) } else { None });

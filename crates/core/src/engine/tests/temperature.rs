@@ -30,7 +30,7 @@ impl Kept {
 
     fn restart(&mut self, second: i64) {
         let (state, written) = (self.engine.persistent_state(), Seq(self.entries.len() as u64));
-        let recalled = Recalled { state, written, commands: Vec::new(), latest: Vec::new() };
+        let recalled = Recalled { state, written, commands: Vec::new(), kept_back: Vec::new(), latest: Vec::new() };
         self.engine = Engine::recall(Settings::default(), "again".into(), recalled, Kept::at(second));
         self.check(second);
     }

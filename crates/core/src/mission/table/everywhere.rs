@@ -4,8 +4,8 @@
 use crate::hold::Hold;
 use crate::mission::Input;
 use crate::mission::rule::Act::{
-    Acknowledge, AlarmUnrecorded, Archive, Clear, EmptyMap, EndRetrieval, HearSensor, LedOff, NoteReading, Raise, RecordVerdict,
-    Release, Stop,
+    Acknowledge, AlarmUnrecorded, Archive, Clear, EmptyMap, EndRetrieval, HearSensor, KeepBack, LedOff, NoteReading, Raise,
+    RecordVerdict, Release, Stop,
 };
 use crate::mission::rule::Rule::{Go, RefuseIf, RefuseIfThen, When};
 use crate::mission::rule::To::{Interrupted, Phase, Stay};
@@ -63,6 +63,8 @@ const SAFE: &[Rule] = &[
     RefuseIf(Guard::Decided),
     RefuseIf(Guard::StoreDown),
     RefuseIf(Guard::NoPhoto),
+    RefuseIf(Guard::HotUnanswered),
+    When(Case::FirstJudge, Stay, &[KeepBack]),
     Go(Stay, &[RecordVerdict]),
 ];
 const DANGER: &[Rule] = &[

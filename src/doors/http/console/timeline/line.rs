@@ -309,6 +309,7 @@ fn class(fact: &Fact) -> Option<&'static str> {
         | Fact::Conditions(_)
         | Fact::Phase(_)
         | Fact::Holds(_)
+        | Fact::Judged(_)
         | Fact::Retrieval(_) => {
             return None;
         }
@@ -392,14 +393,23 @@ mod tests {
 
     #[test]
     fn phases_holds_temperatures_pieces_verdicts_stops_and_commands_stand_at_their_times() {
-        let verdict = |verdict| Fact::Verdict { luggage: LuggageId(3), verdict, who: "anna".into(), note: None };
+        let verdict =
+            |verdict| Fact::Verdict { luggage: LuggageId(3), verdict, who: "anna".into(), note: None, hot: Default::default() };
         let found = Fact::Luggage { record: piece(3, Cell::new(1, 2), None), photo: None };
         let line = line([
             (0, Fact::Phase(Phase::Exploring)),
             (1, command(Command::Start)),
             (2, temperature(25.0)),
             (4, found),
-            (6, command(Command::Verdict { luggage: LuggageRef::Id(LuggageId(3)), verdict: Verdict::Safe, note: None })),
+            (
+                6,
+                command(Command::Verdict {
+                    luggage: LuggageRef::Id(LuggageId(3)),
+                    verdict: Verdict::Safe,
+                    note: None,
+                    hot: Default::default(),
+                }),
+            ),
             (6, verdict(Verdict::Safe)),
             (7, verdict(Verdict::Danger)),
             (8, command(Command::Stop)),

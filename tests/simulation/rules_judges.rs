@@ -1,0 +1,201 @@
+//! Mission §4 on verdicts by two judges, and on the three questions about a piece.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use hallsweep_core::asked::Asked;
+use hallsweep_core::command::{Accepted, Command, Door, Hot, HotAnswer, Issuer, LuggageRef, Note, Request, Strategy, Verdict};
+use hallsweep_core::phase::PhaseName;
+use hallsweep_core::refused::Refused;
+use hallsweep_core::rng::RandomStream;
+use hallsweep_core::settings::{HotRule, Rules, SafeBy, Settings};
+use hallsweep_core::snapshot::Snapshot;
+use hallsweep_core::state::fact::Fact;
+use hallsweep_core::units::LuggageId;
+use hallsweep_sim::headless::Run;
+use hallsweep_sim::{Camera, Hall, SimSettings};
+
+use crate::mortal::Mortal;
+use crate::operator::Operator;
+
+const TWO: Rules = Rules { safe_by: SafeBy::Two, ..ONE };
+const ONE: Rules = Rules {
+    after_danger: hallsweep_core::settings::AfterDanger::Return,
+    keep_out_m: 0.0,
+    safe_by: SafeBy::One,
+    hot: HotRule::Optional,
+};
+
+const DOORS: [&str; 3] = ["http", "mqtt", "coap"];
+
+fn hall() -> Arc<Hall> {
+    Arc::new(Hall::from_rows("drawn", &["S...", "..a.", "....", "b..."]).expect("it is sound"))
+}
+
+fn at_a_piece(rules: Rules) -> Run {
+    let settings = Settings { rules, ..Settings::default() };
+    let mut run = Run::new(hall(), SimSettings::new(1, Camera::Stub), settings, Strategy::Auto);
+    run.give(Command::Start).unwrap();
+    run.until_pending();
+    run
+}
+
+fn said(who: &str, verdict: Verdict, luggage: LuggageRef) -> Request {
+    let issuer = Issuer { door: Door(DOORS[who.len() % 3]), who: who.into(), from: "192.0.2.7".into() };
+    Request::new(Command::Verdict { luggage, verdict, note: Note::new("seen"), hot: Hot::default() }, issuer)
+}
+
+fn say(run: &mut Run, who: &str, verdict: Verdict) -> Result<Accepted, Refused> {
+    run.ask(said(who, verdict, LuggageRef::Id(LuggageId(1))))
+}
+
+/// Everything that anybody can see of a run: the snapshot, the log and the journal.
+fn seen(run: &mut Run) -> String {
+    let state: Arc<Snapshot> = run.state();
+    let revision = (state.revision, state.revisions);
+    let log: Vec<String> = state.log.iter().map(|line| line.said.to_string()).collect();
+    format!("{revision:?} {:?} {:?} {:?} {log:?} {:?}", state.mission, state.luggage, state.alarms, run.journal)
+}
+
+#[test]
+fn a_piece_is_safe_when_two_keys_have_said_so_and_nothing_shows_the_first_answer() {
+    let mut run = at_a_piece(TWO);
+    let before = seen(&mut run);
+    let first = say(&mut run, "anna", Verdict::Safe).unwrap();
+    assert!(first.is_kept_back && first.luggage == Some(LuggageId(1)));
+    assert_eq!(seen(&mut run), before, "nothing has changed for anybody");
+    for again in ["anna", "anna (Anna)", "anna (Otto)"] {
+        assert!(say(&mut run, again, Verdict::Safe).unwrap().is_kept_back, "one key is one judge: {again}");
+        assert_eq!(seen(&mut run), before, "{again}");
+    }
+    let second = run.ask(said("ben", Verdict::Safe, LuggageRef::Pending)).unwrap();
+    assert!(!second.is_kept_back);
+    let state = run.state();
+    let luggage = state.luggage(LuggageId(1)).unwrap();
+    let decision = luggage.verdict.as_ref().unwrap();
+    assert_eq!((decision.verdict, &*decision.who), (Verdict::Safe, "ben"));
+    assert_eq!(luggage.judged.iter().map(|judged| &*judged.issuer.who).collect::<Vec<_>>(), ["anna"]);
+    assert_eq!(run.phase(), PhaseName::Exploring);
+    assert!(state.log.iter().any(|line| line.said.to_string().contains("kept back until now: luggage #1 safe, by anna")));
+}
+
+#[test]
+fn one_danger_wins_before_and_after_a_first_safe_whoever_gives_it() {
+    for (first, second) in [(None, "ben"), (Some("anna"), "ben"), (Some("anna"), "anna")] {
+        let mut run = at_a_piece(TWO);
+        if let Some(first) = first {
+            say(&mut run, first, Verdict::Safe).unwrap();
+        }
+        assert!(!say(&mut run, second, Verdict::Danger).unwrap().is_kept_back);
+        assert_eq!(run.phase(), PhaseName::ReturningWithAlarm, "{first:?}, {second}");
+        let state = run.state();
+        let luggage = state.luggage(LuggageId(1)).unwrap();
+        assert_eq!((luggage.is_dangerous(), luggage.judged.len()), (true, usize::from(first.is_some())));
+        let too_late = say(&mut run, "carl", Verdict::Safe);
+        assert_eq!(too_late, Err(Refused::Decided { luggage: LuggageId(1), verdict: Verdict::Danger }));
+    }
+}
+
+/// The refusal of a *safe* would tell what its sender thinks of the piece.
+#[test]
+fn a_refused_safe_leaves_no_trace_while_two_judges_are_awaited() {
+    let mut run = at_a_piece(Rules { hot: HotRule::Required, ..TWO });
+    let before = seen(&mut run);
+    assert_eq!(say(&mut run, "anna", Verdict::Safe), Err(Refused::HotUnanswered(LuggageId(1))));
+    assert_eq!(seen(&mut run), before);
+}
+
+#[test]
+fn where_the_questions_are_compulsory_a_safe_needs_all_three_answers_and_a_danger_none() {
+    let hot = Hot { hidden: Some(HotAnswer::No), obvious: Some(HotAnswer::CannotSay), typical: None };
+    let command = |hot, verdict| Command::Verdict { luggage: LuggageRef::Pending, verdict, note: None, hot };
+    let mut run = at_a_piece(Rules { hot: HotRule::Required, ..ONE });
+    for missing in [Hot::default(), hot] {
+        assert_eq!(run.give(command(missing, Verdict::Safe)), Err(Refused::HotUnanswered(LuggageId(1))));
+    }
+    let whole = Hot { typical: Some(HotAnswer::Yes), ..hot };
+    run.give(command(whole, Verdict::Safe)).unwrap();
+    assert_eq!(run.state().luggage(LuggageId(1)).unwrap().verdict.as_ref().unwrap().hot, whole);
+    run.until_pending();
+    run.give(command(hot, Verdict::Danger)).unwrap();
+    let asked = run.journal.iter().find_map(|entry| match &entry.fact {
+        Fact::Verdict { verdict: Verdict::Danger, hot, .. } => Some(*hot),
+        _ => None,
+    });
+    assert_eq!(asked, Some(hot), "incomplete answers are recorded, too");
+}
+
+/// Races of three keys at three doors, with repeats, kills of the program and pages that are stored late: no piece is
+/// ever safe by one key, and a danger that was accepted is never lost.
+#[test]
+fn no_race_and_no_kill_makes_a_piece_safe_by_one_key() {
+    let (mut safe, mut danger, mut kept_back) = (0, 0, 0);
+    for seed in 0..400 {
+        let mut dice = RandomStream::new(seed, "judges");
+        let settings = Settings { rules: TWO, ..Settings::default() };
+        let mut mortal = Mortal::searching_by(Strategy::Auto, settings, hall(), SimSettings::new(1, Camera::Stub));
+        mortal.give(Command::Start).unwrap();
+        while mortal.state().pending().is_none() {
+            mortal.keep_all();
+            mortal.advance();
+        }
+        mortal.keep_all();
+        let (mut by_key, mut danger_told) = (BTreeSet::new(), false);
+        for _ in 0..dice.below(8) {
+            match dice.below(10) {
+                0..6 => {
+                    let who = ["anna", "bo", "carla"][usize::try_from(dice.below(3)).unwrap()];
+                    let verdict = if dice.below(8) == 0 { Verdict::Danger } else { Verdict::Safe };
+                    if mortal.ask(said(who, verdict, LuggageRef::Id(LuggageId(1)))).is_ok() {
+                        by_key.extend((verdict == Verdict::Safe).then_some(who));
+                        danger_told |= verdict == Verdict::Danger;
+                    }
+                }
+                6..9 => drop(mortal.keep_one()),
+                _ => mortal = mortal.killed(usize::try_from(dice.below(3)).unwrap()),
+            }
+            let state = mortal.state();
+            let piece = state.luggage(LuggageId(1)).unwrap();
+            if piece.verdict.as_ref().is_some_and(|decision| decision.verdict == Verdict::Safe) {
+                assert!(by_key.len() > 1, "seed {seed}: safe by {by_key:?}");
+                assert_ne!(piece.judged[0].issuer.key(), piece.verdict.as_ref().unwrap().who, "seed {seed}");
+            }
+            let is_told = |line: &str| line.contains("safe") && !line.contains("unsafe");
+            let told = state.log.iter().any(|line| is_told(&line.said.to_string()));
+            assert!(!told || by_key.len() > 1 || danger_told, "seed {seed}: the log tells of an answer");
+        }
+        mortal.keep_all();
+        let state = mortal.state();
+        let piece = state.luggage(LuggageId(1)).unwrap();
+        kept_back += usize::from(piece.is_pending() && !mortal.kept_back.is_empty());
+        match piece.verdict.as_ref().map(|decision| decision.verdict) {
+            Some(Verdict::Safe) => safe += 1,
+            Some(Verdict::Danger) => danger += 1,
+            None => {}
+        }
+    }
+    assert!(safe > 40 && danger > 20 && kept_back > 40, "{safe} safe, {danger} dangerous, {kept_back} kept back");
+}
+
+#[test]
+fn an_answer_that_is_kept_back_survives_a_kill_and_counts() {
+    let settings = Settings { rules: TWO, ..Settings::default() };
+    let mut mortal = Mortal::searching_by(Strategy::Auto, settings, hall(), SimSettings::new(1, Camera::Stub));
+    mortal.give(Command::Start).unwrap();
+    while mortal.state().pending().is_none() {
+        mortal.keep_all();
+        mortal.advance();
+    }
+    mortal.keep_all();
+    mortal.ask(said("anna", Verdict::Safe, LuggageRef::Pending)).unwrap();
+    mortal.keep_all();
+    let mut mortal = mortal.killed(0);
+    mortal.keep_all();
+    let named = |fact: &Fact| matches!(fact, Fact::Command { asked: Asked::Command(Command::Verdict { .. }), .. });
+    assert!(!mortal.recalled().commands.iter().any(|entry| named(&entry.fact)));
+    mortal.ask(said("bo", Verdict::Safe, LuggageRef::Pending)).unwrap();
+    mortal.keep_all();
+    let state = mortal.state();
+    let piece = state.luggage(LuggageId(1)).unwrap();
+    assert_eq!((piece.verdict_name(), piece.judged.len(), mortal.kept_back.len()), ("safe", 1, 0));
+}
