@@ -8,7 +8,7 @@ use hallsweep_core::command::{Command, LuggageRef, Strategy, TemperatureReport, 
 use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::rng::RandomStream;
-use hallsweep_core::settings::Settings;
+use hallsweep_core::settings::{AfterDanger, Rules, Settings};
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{AlarmId, Cell, Piece};
 use hallsweep_sim::{Camera, Hall, SimSettings};
@@ -37,6 +37,32 @@ fn a_piece_that_was_photographed_from_afar_is_fetched_as_well() {
     mortal.give(Command::Retrieve(None)).unwrap();
     go_on(&mut mortal, 1);
     assert!(check(&mut mortal, 1));
+}
+
+/// The ring of another bomb lies over home. The robot can leave home, but a robot that brought the piece could not come
+/// back, so the piece stays where it is.
+#[test]
+fn a_piece_is_not_taken_if_no_way_leads_home_with_it() {
+    let rows = ["S..b...", ".......", ".......", ".......", "...a..."];
+    let hall = Arc::new(Hall::from_rows("ringed", &rows).unwrap());
+    let keep_out = Rules { after_danger: AfterDanger::GoOn, keep_out_m: 1.5, ..Rules::default() };
+    let rules = Settings { fetcher: Fetcher::Discovery, rules: keep_out, ..Settings::default() };
+    let mut mortal = Mortal::searching_by(Strategy::default(), rules, hall, with_hook(1));
+    assert!(locate(&mut mortal, |_| true));
+    let state = mortal.state();
+    let far = state.luggage.iter().find(|piece| piece.cell == Cell::new(3, 4)).expect("it was found").id;
+    mortal.give(Command::Retrieve(Some(far))).unwrap();
+    for _ in 0..LONG {
+        mortal.keep_all();
+        if mortal.state().mission.phase == PhaseName::Fault || !mortal.advance() {
+            break;
+        }
+    }
+    let state = mortal.state();
+    let fault = state.mission.fault.as_ref().expect("it gives up").to_string();
+    assert!(fault.contains("home"), "{fault}");
+    assert_ne!(state.robot.pose.cell, Cell::HOME, "it stands before the piece");
+    assert_eq!((mortal.sim.taken_in().count(), state.luggage.bombs_left().count()), (0, 2));
 }
 
 /// Searches until such a piece is judged dangerous and the robot is home; false when there is none.

@@ -11,7 +11,7 @@ use hallsweep_core::rng::RandomStream;
 use hallsweep_core::settings::{AfterDanger, Rules, Settings};
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::snapshot::said::Said;
-use hallsweep_core::units::{Cell, LuggageId};
+use hallsweep_core::units::{Cell, Heading, LuggageId};
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_sim::headless::Run;
 use hallsweep_sim::pair::PairSettings;
@@ -152,7 +152,8 @@ fn keeps_out(run: &mut Run, bomb: &BTreeSet<Cell>, seed: u64) {
         let state = run.state();
         let (cell, rings) = (state.robot.pose.cell, &state.mission.keep_out);
         let enters = rings.contains(cell) && !rings.contains(before);
-        assert!(!enters || went_home, "seed {seed}: {before} → {cell} enters a ring");
+        let must = went_home && !leads_home_round_the_rings(&state, before);
+        assert!(!enters || must, "seed {seed}: {before} → {cell} enters a ring");
         (before, went_home) = (cell, goes_home_through_a_ring(&state));
         if matches!(state.mission.phase, PhaseName::BombLocated | PhaseName::Explored) {
             return;
@@ -175,8 +176,50 @@ fn keeps_out(run: &mut Run, bomb: &BTreeSet<Cell>, seed: u64) {
     );
 }
 
+/// Whether visited cells outside the rings lead home from here.
+fn leads_home_round_the_rings(state: &Snapshot, from: Cell) -> bool {
+    let (mut reached, mut open) = (BTreeSet::from([from]), vec![from]);
+    while let Some(cell) = open.pop() {
+        let next = Heading::ALL.map(|heading| cell.ahead(heading));
+        let is_free = |next: &Cell| state.map.at(*next) == Mark::Visited && !state.mission.keep_out.contains(*next);
+        open.extend(next.into_iter().filter(is_free).filter(|next| reached.insert(*next)));
+    }
+    reached.contains(&Cell::HOME)
+}
+
 fn goes_home_through_a_ring(state: &Snapshot) -> bool {
     state.mission.goal == Some(Cell::HOME) && state.log.iter().any(|line| line.said == Said::HomeThroughRings)
+}
+
+/// A robot that was inside a ring goes home outside it, although the way through the ring is shorter.
+#[test]
+fn on_the_way_home_a_robot_does_not_come_back_into_the_ring_that_it_has_left() {
+    let rows = ["S........", ".........", "......#..", ".....#a..", "......#..", ".........", "........."];
+    for radius in [1.0, 1.2] {
+        let mut run = begun(&rows, AfterDanger::Return, radius, false);
+        keeps_out(&mut run, &BTreeSet::from([Cell::new(6, 3)]), 0);
+        assert_eq!((run.cell(), run.phase()), (Cell::HOME, PhaseName::BombLocated), "{radius}");
+    }
+}
+
+/// Rule 7: what lies inside a ring can be searched after the fetch, so the search is not over before.
+#[test]
+fn places_inside_a_ring_wait_for_the_fetch_of_its_bomb() {
+    let rows = ["S.......", "........", "........", "...a....", "........", "........"];
+    let mut run = begun(&rows, AfterDanger::GoOn, 1.0, true);
+    judge(&mut run, |_| Verdict::Danger);
+    let state = run.state();
+    assert_eq!((run.phase(), state.robot.led_blinking), (PhaseName::BombLocated, true));
+    assert!(state.mission.progress.kept_out > 0);
+    acknowledge_all(&mut run);
+    run.give(Command::Retrieve(None)).unwrap();
+    run.until_phase(PhaseName::AtHome);
+    let mission = run.state().mission.id;
+    run.stands_still();
+    run.give(Command::Start).unwrap();
+    judge(&mut run, |_| Verdict::Safe);
+    let state = run.state();
+    assert_eq!((run.phase(), state.mission.id, state.mission.progress.kept_out), (PhaseName::Explored, mission, 0));
 }
 
 #[test]

@@ -179,6 +179,7 @@ impl Engine {
             Case::FirstJudge => self.settings.rules.safe_by == SafeBy::Two && !self.judges.has_other_than(context),
             Case::FromIdle => matches!(phase.underlying(), Phase::Idle),
             Case::RobotAtHome => self.rests_at_home(),
+            Case::KeptOutLeft => self.unsearched_in_rings(&self.state.map) > 0,
             Case::BombLeft => self.state.luggage.bombs_left().next().is_some(),
             Case::GoesOn => self.goes_on(),
             Case::GoesOnFromHere => self.goes_on() && self.case(Case::ThisPiece, phase, context),

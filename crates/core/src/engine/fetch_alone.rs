@@ -59,7 +59,7 @@ impl Engine {
     /// with it.
     fn carry_home(&mut self) -> Turn {
         if self.mission.route.is_empty() {
-            let way = self.way_home(Through::Known);
+            let way = self.way_home(Through::Known).or_else(|| self.way_home_through_rings());
             self.set_route(way);
         }
         if self.follow_route() { Turn::Rest } else { self.give_up(AloneFault::NoWayHome) }
@@ -69,6 +69,10 @@ impl Engine {
         let Pose { cell, heading } = self.state.pose;
         let ahead = cell.ahead(heading);
         if self.piece_to_fetch().any(|cell| cell == ahead) {
+            // The ring of another bomb may lie across the way home. The piece then stays where it is.
+            if self.way_home(Through::Known).is_none() {
+                return self.give_up(AloneFault::NoWayHome);
+            }
             return self.take(Place::Cell(ahead));
         }
         self.seen = None;

@@ -335,7 +335,7 @@ impl Engine {
     }
 
     /// Returns the way home through the rings, and says so, because there is no way round them.
-    fn way_home_through_rings(&mut self) -> Option<Vec<Move>> {
+    pub(super) fn way_home_through_rings(&mut self) -> Option<Vec<Move>> {
         if self.planner.keep_out.is_empty() {
             return None;
         }

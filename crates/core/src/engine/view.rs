@@ -1,5 +1,6 @@
 //! Makes the snapshot: the state as the interfaces show it. `on_record` delays the parts that must be recorded first.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -16,6 +17,7 @@ use crate::search::plan::cells_along;
 use crate::snapshot::robot::{RobotShown, RobotView};
 use crate::snapshot::{MissionView, Progress, Refusals, Snapshot, TimeLeft};
 use crate::state::{Phase, Stage};
+use crate::units::Cell;
 use crate::world::alarm::AlarmView;
 use crate::world::hall_map::{HallMap, Mark};
 use crate::world::resource::Resource;
@@ -165,14 +167,14 @@ impl Engine {
         Progress { visited: map.visited(), unknown: map.unsearched() - kept_out, kept_out, left: self.time_left(), reach }
     }
 
-    fn unsearched_in_rings(&self, map: &HallMap) -> usize {
+    pub(super) fn unsearched_in_rings(&self, map: &HallMap) -> usize {
         let keep_out = self.keep_out();
         if keep_out.is_empty() {
             return 0;
         }
         let open = map.frontier().filter(|cell| keep_out.contains(*cell)).count();
-        let uninspected = map.known().filter(|(cell, mark)| *mark == Mark::NotInspected && keep_out.contains(*cell));
-        open + uninspected.count()
+        let within: BTreeSet<Cell> = keep_out.cells_within(map.known_bounds()).collect();
+        open + within.into_iter().filter(|cell| map.at(*cell) == Mark::NotInspected).count()
     }
 
     /// Returns the remaining time. It is shown during a search, even while something holds or interrupts the search.

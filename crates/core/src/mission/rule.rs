@@ -73,6 +73,7 @@ named! {
         FirstJudge = "`mission.safe_by` is 2, and no other judge has said *safe*",
         FromIdle = "the interrupted phase is idle",
         RobotAtHome = "the robot is at home",
+        KeptOutLeft = "places inside keep-out rings are not searched",
         BombLeft = "a bomb is still in the hall",
         GoesOn = "`mission.after_danger` is `go_on`",
         GoesOnFromHere = "`mission.after_danger` is `go_on`, and the piece is in front of the robot",

@@ -1,6 +1,9 @@
 //! The planner: the engine's occupancy grid, and the cheapest ways on it to a cell or a pose. The strategy decides
 //! where to go. The mission decides whether the robot may move.
 
+use std::cmp::Reverse;
+use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
+
 use super::Search;
 use super::costs::{Costs, STEP};
 use super::far::{Steps, turn};
@@ -74,21 +77,30 @@ impl Planner {
         Ways::default().way_to_cell(&self.grid, self.costs, start, goal, passable).is_some()
     }
 
-    /// Returns a way over visited cells to a cell for which `is_goal` holds. The way may lead through rings, but as far
-    /// from the bombs there as possible.
+    /// Returns a way over visited cells to a cell for which `is_goal` holds. It is the way with the least exposure, and
+    /// among equal ways a shortest one. A cell in a ring exposes the robot by the radius divided by the distance.
     pub(crate) fn way_through_rings(&self, map: &HallMap, start: Pose, is_goal: impl Fn(Cell) -> bool) -> Option<Vec<Move>> {
-        let visited = self.keep_out.cells_within(map.known_bounds()).filter(|cell| map.at(*cell) == Mark::Visited);
-        let mut clearances: Vec<f64> = visited.map(|cell| self.keep_out.clearance(cell)).collect();
-        clearances.sort_by(f64::total_cmp);
-        clearances.dedup();
-        let mut steps = Steps::default();
-        let mut way = |least: f64| {
-            let cell = |spot: Spot| self.grid.cell(spot);
-            let passable = |spot: Spot| map.at(cell(spot)) == Mark::Visited && self.keep_out.clearance(cell(spot)) >= least;
-            steps.way(&self.grid, start, passable, |spot| is_goal(cell(spot))).map(|(_, way)| way)
+        let mut open = BinaryHeap::from([Reverse((0, 0, self.grid.spot(start.cell), None))]);
+        let mut before = BTreeMap::new();
+        let end = loop {
+            let Reverse((exposure, length, spot, from)) = open.pop()?;
+            if before.contains_key(&spot) {
+                continue;
+            }
+            before.insert(spot, from);
+            if is_goal(self.grid.cell(spot)) {
+                break spot;
+            }
+            for heading in Heading::ALL {
+                let next = self.grid.cell(spot).ahead(heading);
+                if map.at(next) == Mark::Visited {
+                    let exposure = exposure + self.keep_out.exposure(next);
+                    open.push(Reverse((exposure, length + 1, self.grid.spot(next), Some(spot))));
+                }
+            }
         };
-        let open = clearances.partition_point(|least| way(*least).is_some());
-        way(*clearances.get(open.checked_sub(1)?)?)
+        let way: BTreeSet<Spot> = std::iter::successors(Some(end), |spot| before[spot]).collect();
+        Steps::default().way(&self.grid, start, |spot| way.contains(&spot), |spot| spot == end).map(|(_, way)| way)
     }
 
     /// Returns the cheapest way to `goal`. It is empty if the robot stands there, and `None` if there is no way. If

@@ -58,9 +58,12 @@ impl KeepOut {
         self.rings.iter().filter(is_near).map(|ring| ring.luggage)
     }
 
-    /// Returns the square of the distance to the nearest bomb, in cells.
-    pub(crate) fn clearance(&self, cell: Cell) -> f64 {
-        self.rings.iter().filter_map(|ring| clearance(&ring.bomb, cell)).fold(f64::INFINITY, f64::min)
+    /// Returns the sum of radius / distance over the bombs whose rings contain the cell, in thousandths.
+    pub(crate) fn exposure(&self, cell: Cell) -> u64 {
+        let squares = self.rings.iter().filter_map(|ring| clearance(&ring.bomb, cell));
+        let within = squares.filter(|square| *square <= self.radius * self.radius);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive, and bounded by the settings")]
+        within.map(|square| (1000.0 * self.radius / square.sqrt().max(1.0)) as u64).sum()
     }
 
     /// Returns the cells of the rings within `bounds`. Cells of two rings occur twice.
@@ -108,6 +111,6 @@ mod tests {
         let ring = Ring { luggage: LuggageId(3), bomb: vec![Cell::new(0, 0), Cell::new(5, 0)] };
         let keep_out = KeepOut::new(vec![ring], 1.0, 1.0);
         assert!(keep_out.contains(Cell::new(6, 0)) && keep_out.contains(Cell::new(-1, 0)) && !keep_out.contains(Cell::new(2, 0)));
-        assert_eq!(keep_out.clearance(Cell::new(3, 0)), 4.0);
+        assert_eq!([3, 4, 5].map(|x| keep_out.exposure(Cell::new(x, 0))), [0, 1000, 1000]);
     }
 }

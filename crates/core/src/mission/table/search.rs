@@ -7,9 +7,7 @@ use super::shared::{
     INTO_FAULT, NOT_HERE, NOTHING, RECORDED, RESUME, RETAKE_ELSEWHERE, going_home, waiting,
 };
 use crate::hold::Hold;
-use crate::mission::rule::Act::{
-    AlarmDanger, Begin, EndSearch, FacePiece, LedOff, Raise, RecordPiece, RecordRetake, Release, Retake,
-};
+use crate::mission::rule::Act::{AlarmDanger, Begin, FacePiece, LedOff, Raise, RecordPiece, RecordRetake, Release, Retake};
 use crate::mission::rule::Rule::{AsInterrupted, Go, Never, RefuseIf, When};
 use crate::mission::rule::To::{Interrupted, Phase, Stay};
 use crate::mission::rule::{Case, Guard, Rule};
@@ -46,9 +44,11 @@ pub(super) const fn exploring(input: PhaseInput) -> &'static [Rule] {
             PhaseEvent::AtPiece => &[Go(Phase(PhaseName::Inspecting), &[])],
             PhaseEvent::LuggageRecorded => RECORDED,
             PhaseEvent::DangerRecorded => DANGER_ON_THE_WAY,
-            PhaseEvent::AllExplored => {
-                &[When(Case::BombLeft, Phase(PhaseName::BombLocated), &[LedOff]), Go(Phase(PhaseName::Explored), &[LedOff])]
-            }
+            PhaseEvent::AllExplored => &[
+                When(Case::KeptOutLeft, Phase(PhaseName::BombLocated), &[]),
+                When(Case::BombLeft, Phase(PhaseName::BombLocated), &[LedOff]),
+                Go(Phase(PhaseName::Explored), &[LedOff]),
+            ],
             PhaseEvent::NoWayHome | PhaseEvent::Unanswered | PhaseEvent::RobotFailed => INTO_FAULT,
         },
     }
@@ -80,7 +80,7 @@ pub(super) const fn inspecting(input: PhaseInput) -> &'static [Rule] {
             PhaseEvent::DangerRecorded => &[
                 When(Case::GoesOnFromHere, Phase(PhaseName::Exploring), &[AlarmDanger]),
                 When(Case::GoesOn, Stay, &[AlarmDanger]),
-                Go(Phase(PhaseName::ReturningWithAlarm), &[EndSearch, AlarmDanger]),
+                Go(Phase(PhaseName::ReturningWithAlarm), &[LedOff, AlarmDanger]),
             ],
             PhaseEvent::Unanswered | PhaseEvent::RobotFailed => INTO_FAULT,
         },

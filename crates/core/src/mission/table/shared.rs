@@ -2,7 +2,9 @@
 //! the cells that all phases share.
 
 use super::everywhere::PhaseEvent;
-use crate::mission::rule::Act::{AlarmDanger, Archive, AskOperator, Begin, ChooseStrategy, EmptyMap, EndSearch, LedOn, Release};
+use crate::mission::rule::Act::{
+    AlarmDanger, Archive, AskOperator, Begin, ChooseStrategy, EmptyMap, EndSearch, LedOff, LedOn, Release,
+};
 use crate::mission::rule::Rule::{Go, Never, RefuseIf, When};
 use crate::mission::rule::To::{Phase, Stay};
 use crate::mission::rule::{Case, Guard, Rule};
@@ -41,7 +43,7 @@ pub(super) const CHOOSE: &[Rule] = &[RefuseIf(Guard::StoreDown), Go(Stay, &[Choo
 pub(super) const RECORDED: &[Rule] = &[Go(Stay, &[AskOperator])];
 pub(super) const ANOTHER_DANGER: &[Rule] = &[Go(Stay, &[EndSearch, AlarmDanger])];
 pub(super) const DANGER_ON_THE_WAY: &[Rule] =
-    &[When(Case::GoesOn, Stay, &[AlarmDanger]), Go(Phase(PhaseName::ReturningWithAlarm), &[EndSearch, AlarmDanger])];
+    &[When(Case::GoesOn, Stay, &[AlarmDanger]), Go(Phase(PhaseName::ReturningWithAlarm), &[LedOff, AlarmDanger])];
 pub(super) const DANGER_AT_HOME: &[Rule] = &[
     When(Case::RobotAtHome, Phase(PhaseName::BombLocated), &[EndSearch, AlarmDanger]),
     Go(Phase(PhaseName::ReturningWithAlarm), &[EndSearch, AlarmDanger]),
