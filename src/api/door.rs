@@ -8,7 +8,7 @@ pub const CONSOLE: Door = Door("console");
 /// JSON over HTTP, and the HTTP routes of the old console.
 pub const HTTP: Door = Door("http");
 
-pub const COAP: Door = Door("coap");
+pub const COAP: Door = Door::COAP;
 
 pub const MQTT: Door = Door("mqtt");
 

@@ -38,22 +38,21 @@ pub(super) fn access(settings: &Settings) -> Result<Opened, AccessError> {
     Ok(Opened { http: access(settings.http.asks_for_keys), mqtt: access(mqtt_asks), entry })
 }
 
-/// Checks that two judges are possible if a *safe* needs two: a door requires keys, and two operators have one. Without
-/// a readable file of keys nobody can judge anyway, and the start says so.
+/// Checks that two judges can be told apart if a *safe* needs two: HTTP and MQTT require keys, and two operators have
+/// one. Over CoAP, which has no keys, nobody can say *safe*. Without a readable file of keys nobody can judge anyway,
+/// and the start says so.
 pub(super) fn check_judges(settings: &Settings, opened: &Opened) -> Result<(), AppError> {
-    let keys = [&opened.http, &opened.mqtt].into_iter().find_map(|access| match access {
-        Access::Keys(keyring) => Some(keyring),
-        Access::Open => None,
-    });
-    if settings.core.rules.safe_by == SafeBy::One || keys.is_some_and(Keyring::is_unusable) {
+    if settings.core.rules.safe_by == SafeBy::One {
         return Ok(());
     }
-    let operators = keys.map(|keys| keys.keys().iter().filter(|key| key.role == Role::Operator).count());
-    match operators {
-        None => Err(AppError::NoKeysForJudges),
-        Some(count @ ..2) => Err(AppError::TooFewJudges(count)),
-        Some(_) => Ok(()),
+    let Access::Keys(keys) = &opened.http else {
+        return Err(AppError::NoKeysForJudges("HTTP", "http.require_token = true"));
+    };
+    if settings.mqtt.broker.is_some() && !mqtt_asks(settings) {
+        return Err(AppError::NoKeysForJudges("MQTT", "mqtt.require_password = true, or use --mqtt none"));
     }
+    let operators = keys.keys().iter().filter(|key| key.role == Role::Operator).count();
+    if operators < 2 && !keys.is_unusable() { Err(AppError::TooFewJudges(operators)) } else { Ok(()) }
 }
 
 fn mqtt_asks(settings: &Settings) -> bool {

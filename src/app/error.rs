@@ -54,10 +54,10 @@ pub enum AppError {
     #[error(transparent)]
     Access(#[from] AccessError),
     #[error(
-        "mission.safe_by is 2, but no door requires keys, so two judges cannot be told apart: set http.require_token = true, or \
-         write mission.safe_by = 1"
+        "mission.safe_by is 2, but {0} requires no keys, so two judges cannot be told apart there: set {1}, or write \
+         mission.safe_by = 1"
     )]
-    NoKeysForJudges,
+    NoKeysForJudges(&'static str, &'static str),
     #[error(
         "mission.safe_by is 2, but the number of operators' keys is {0}: add a key with `hallsweep token add NAME --role \
          operator`, or write mission.safe_by = 1"

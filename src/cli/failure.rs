@@ -41,7 +41,7 @@ impl Failure {
                 AppError::Unusable(_)
                 | AppError::Tls(_)
                 | AppError::ClosedFolder(_)
-                | AppError::NoKeysForJudges
+                | AppError::NoKeysForJudges(..)
                 | AppError::TooFewJudges(_),
             ) => ExitCode::from(2),
             Failure::Tree(_, code) => ExitCode::from(*code),

@@ -56,7 +56,8 @@ pub struct Task {
 
 struct WaitingSender {
     answer: oneshot::Sender<Decision>,
-    since: Duration,
+    /// When the command came; `None` if it is not counted.
+    since: Option<Duration>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -186,7 +187,7 @@ impl Task {
         for Counted { last, count, answers, .. } in stops.into_values() {
             let now = self.now();
             let given = self.engine.handle_stops(last, count, now);
-            self.await_answer(given, answers, now.since_start);
+            self.await_answer(given, answers, Some(now.since_start));
         }
         for Counted { last: (issuer, asked, refused), count, .. } in refusals.into_values() {
             let now = self.now();
@@ -199,8 +200,9 @@ impl Task {
         match envelope {
             Envelope::Command(request, answer) => {
                 let now = self.now();
+                let since = self.engine.is_counted(&request.command).then_some(now.since_start);
                 let given = self.engine.handle_command(request, now);
-                self.await_answer(given, vec![answer], now.since_start);
+                self.await_answer(given, vec![answer], since);
             }
             Envelope::Refused(issuer, asked, refused, answer) => self.note_refused(issuer, asked, refused, answer),
             Envelope::Simulated(issuer, simulated) => {
@@ -210,16 +212,17 @@ impl Task {
             Envelope::PutDown(issuer, venue, robots, answer) => {
                 let now = self.now();
                 let given = self.engine.put_down_in(venue, &robots, issuer, now);
-                self.await_answer(given, vec![answer], now.since_start);
+                self.await_answer(given, vec![answer], Some(now.since_start));
             }
         }
     }
 
     fn note_refused(&mut self, issuer: Issuer, asked: Asked, refused: Refused, answer: Option<oneshot::Sender<Decision>>) {
         let now = self.now();
+        let since = (!self.engine.may_be_answer(&asked, &refused)).then_some(now.since_start);
         let noted = self.engine.note_refused(issuer, asked, &refused, 1, now);
         let Some(answer) = answer else { return };
-        let sender = WaitingSender { answer, since: now.since_start };
+        let sender = WaitingSender { answer, since };
         if let Some(seq) = noted {
             self.refusals.push_back((seq, sender, refused));
         } else {
@@ -227,7 +230,7 @@ impl Task {
         }
     }
 
-    fn await_answer(&mut self, given: Result<Ticket, Refused>, answers: Vec<oneshot::Sender<Decision>>, since: Duration) {
+    fn await_answer(&mut self, given: Result<Ticket, Refused>, answers: Vec<oneshot::Sender<Decision>>, since: Option<Duration>) {
         let waiting = answers.into_iter().map(|answer| WaitingSender { answer, since });
         match given {
             Ok(ticket) => drop(self.answers.insert(ticket, waiting.collect())),
@@ -239,8 +242,7 @@ impl Task {
     }
 
     fn answer(&self, WaitingSender { answer, since }: WaitingSender, given: Decision) {
-        // A count would tell that somebody has answered.
-        if !given.as_ref().is_ok_and(|accepted| accepted.is_kept_back) {
+        if let Some(since) = since {
             self.figures.answered(self.clock.since_start().saturating_sub(since));
         }
         // The sender may have gone away. The command was carried out or refused all the same.

@@ -67,7 +67,9 @@ fn whatever_the_program_keeps_in_its_folder_is_in_its_own_table_and_in_the_docum
     end(Program::started(&mut archived(old.text(), "0")));
     end(Program::started(&mut archived(old.text(), "1")));
     let outside = crate::virtual_robots::remembered("listed");
-    let there: BTreeSet<String> = [&searched, &old, &outside].into_iter().flat_map(|folder| listed(folder.path())).collect();
+    let judged = crate::judges::answered_once("listed");
+    let folders = [searched.path(), old.path(), outside.path(), judged.path()];
+    let there: BTreeSet<String> = folders.into_iter().flat_map(listed).collect();
     let unknown: Vec<&String> = there.iter().filter(|path| !names::ALL.iter().any(|name| is_of(name.written(), path))).collect();
     assert!(unknown.is_empty(), "these are not in src/storage/names.rs: {unknown:?}");
     let is_met = |name: &str| there.iter().any(|path| is_of(name, path));

@@ -115,12 +115,31 @@ fn what_the_first_judge_has_answered_is_shown_at_no_door() {
     let topic = "hallsweep/discovery/command/verdict";
     own.say(Say::plain(topic, &format!(r#"{{"luggage":{id},"verdict":"safe","id":"k7"}}"#)));
     own.say(Say::plain("unibo/qak/events", "msg(continueExploreAfterPhoto,event,js,none,continueExploreAfterPhoto,1)"));
+    // Verdicts that are written wrongly would tell as much.
+    for (topic, payload) in [
+        (topic, r#"{"luggage":1,"verdict":"safe","hidden":"perhaps"}"#),
+        (topic, r#"{"luggage":1,"verdict":"safe" half"#),
+        ("hallsweep/discovery/command/Verdict", r#"{"luggage":1,"verdict":"safe"}"#),
+        ("hallsweep/discovery/command", r#"{"luggage":1,"verdict":"safe","command":"verdict"}"#),
+        ("unibo/qak/events", "msg(luggageSafe,event,js,none,luggageSafe,1"),
+        ("unibo/qak/events", "luggageSafe"),
+    ] {
+        own.say(Say::plain(topic, payload));
+    }
     own.say(Say::plain("x", "the last message"));
     ben.until("the last message", |heard| heard.iter().any(|message| message.topic == "x").then_some(()));
     let told: Vec<String> = ben.heard().iter().map(|message| format!("{} {}", message.topic, message.payload)).collect();
-    let tells = |line: &&String| line.contains("command/verdict") || line.contains("continueExploreAfterPhoto");
+    let tells = |line: &&String| ["/command", "luggageSafe", "continueExploreAfterPhoto"].iter().any(|word| line.contains(word));
     assert_eq!(told.iter().find(tells), None, "neither the command nor its result");
     assert_eq!(panel.shown(id), before);
+    for wrong in [r#"{"verdict":"safe","hidden":"perhaps"}"#, r#"{"verdict":"safe""#, r#"{"verdict":"safe","note":7}"#] {
+        assert_eq!(panel.post("operator", &verdict, wrong).status / 100, 4, "{wrong}");
+    }
+    let form = [("authorization", &*panel.key("operator")), ("content-type", "application/x-www-form-urlencoded")];
+    assert_eq!(panel.program.post_with("/console/safe", &form, "id=1&hidden=perhaps").status, 422);
+    let named = [("authorization", &*panel.key("operator")), ("content-type", "application/json"), ("idempotency-key", "k7")];
+    assert_eq!(panel.program.post_with(&verdict, &named, r#"{"verdict":"danger"}"#).status, 422, "k7 is another command");
+    assert_eq!(panel.shown(id), before, "nor does a refusal");
     assert_eq!(panel.post("lobby", &verdict, safe).status, 403, "a viewer is no judge");
     assert_eq!(panel.post("operator", "/safe", "").json()["keptBack"], true, "nor is the same key at an old route");
 
@@ -170,6 +189,38 @@ fn a_danger_by_anybody_ends_the_wait_and_a_kill_loses_no_answer() {
     assert!(report.contains("answer kept back until now") && report.contains("typical: cannot say"));
 }
 
+/// A data folder with the answer of a first judge, `operator`.
+pub(crate) fn answered_once(name: &str) -> Folder {
+    let panel = Panel::new(&format!("judges-{name}"), "optional");
+    let id = panel.asked();
+    let said = panel.post("operator", &format!("/api/v1/luggage/{id}/verdict"), r#"{"verdict":"safe"}"#);
+    assert_eq!(said.json()["keptBack"], true, "{}", said.text());
+    panel.folder
+}
+
+/// Safety V4: a damaged file of answers never makes one judge two. Both are asked again; if the file cannot even be
+/// replaced, the robots are held and the file is named.
+#[test]
+fn damaged_answers_are_asked_for_again() {
+    for damage in crate::damage::ALL {
+        let folder = answered_once(&format!("{damage:?}"));
+        let file = folder.path().join("kept-back.json");
+        damage.apply(&file);
+        let panel = Panel { program: Panel::serve(&folder, "optional"), folder };
+        let state: serde_json::Value = serde_json::from_str(&panel.read("/api/v1/state")).expect("the state is JSON");
+        let id = &state["luggage"][0]["id"];
+        let said = panel.post("ben", &format!("/api/v1/luggage/{id}/verdict"), r#"{"verdict":"safe"}"#);
+        let failure = || panel.read("/api/v1/state");
+        let record = panel.read(&format!("/api/v1/luggage/{id}"));
+        assert!(record.contains(r#""verdict":"pending""#), "{damage:?}: one answer is not two: {record}");
+        if file.is_file() {
+            assert_eq!(said.json()["keptBack"], true, "{damage:?}: {}", said.text());
+        } else {
+            assert!(said.status == 503 && failure().contains("kept-back.json"), "{damage:?}: {} {}", said.text(), failure());
+        }
+    }
+}
+
 #[test]
 fn two_judges_are_refused_where_they_cannot_be_told_apart() {
     let start = |folder: &Folder, more: &[(&str, &str)]| {
@@ -182,8 +233,11 @@ fn two_judges_are_refused_where_they_cannot_be_told_apart() {
         String::from_utf8_lossy(&output.stderr).into_owned()
     };
     let folder = Folder::new("judges-refused");
-    assert!(start(&folder, &[]).contains("no door requires keys"));
-    let one = start(&folder, &[("HTTP__REQUIRE_TOKEN", "true")]);
+    assert!(start(&folder, &[]).contains("HTTP requires no keys"));
+    let mqtt = start(&folder, &[("HTTP__REQUIRE_TOKEN", "true"), ("MQTT__BIND", "127.0.0.1:0")]);
+    assert!(mqtt.contains("MQTT requires no keys"), "{mqtt}");
+    let one =
+        start(&folder, &[("HTTP__REQUIRE_TOKEN", "true"), ("MQTT__BIND", "127.0.0.1:0"), ("MQTT__REQUIRE_PASSWORD", "true")]);
     assert!(one.contains("operators' keys is 1") && one.contains("hallsweep token add"), "{one}");
     let broker = start(&folder, &[("HTTP__REQUIRE_TOKEN", "true"), ("MQTT__BROKER", "mqtt://127.0.0.1:1")]);
     assert!(broker.contains("mission.safe_by") && broker.contains("could read the answer"), "{broker}");

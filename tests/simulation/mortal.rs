@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 use std::time::Duration;
 
+use hallsweep_core::asked::Asked;
 use hallsweep_core::command::{Accepted, Command, Door, Issuer, Request, Strategy};
 use hallsweep_core::effect::{Effect, KeptBack, Page};
 use hallsweep_core::engine::{Engine, Recalled};
@@ -117,6 +118,12 @@ impl Mortal {
         }
         self.settle();
         true
+    }
+
+    pub(crate) fn note_refused(&mut self, issuer: Issuer, asked: Asked, refused: &Refused) {
+        self.engine.note_refused(issuer, asked, refused, 1, self.now);
+        self.settle();
+        self.keep_all();
     }
 
     pub(crate) fn keep_all(&mut self) {

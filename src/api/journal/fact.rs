@@ -13,7 +13,7 @@ use super::places::{GoalShape, PoseShape};
 use super::retrieval::RetrievalShape;
 use super::standing::StandingShape;
 use super::{Picture, Unparsed, map, names, places, refused, retrieval};
-use hallsweep_core::command::{CommandId, Issuer};
+use hallsweep_core::command::Issuer;
 use hallsweep_core::state::fact::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId, Piece, Seq};
 
@@ -333,10 +333,9 @@ impl Shape {
 impl CommandShape {
     fn fact(self) -> Result<Fact, Unparsed> {
         let issuer = Issuer { door: names::door(&self.door)?, who: self.who.into(), from: self.from.into() };
-        let named = |id: String| CommandId::new(&id).ok_or_else(|| Unparsed("the id of the command is not valid".to_owned()));
         Ok(Fact::Command {
             issuer,
-            id: self.id.map(named).transpose()?,
+            id: names::command_id(self.id)?,
             asked: self.command.value()?,
             epoch: self.epoch.map(Epoch),
             luggage: self.luggage.map(LuggageId),

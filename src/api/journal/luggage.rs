@@ -82,6 +82,11 @@ pub(super) struct JudgementShape {
     note: Option<String>,
     #[serde(flatten)]
     hot: HotShape,
+    taken: Moment,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    id: Option<String>,
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    bare: bool,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -172,7 +177,7 @@ impl HotShape {
 }
 
 impl From<&Judgement> for JudgementShape {
-    fn from(Judgement { luggage, verdict, issuer, note, hot, wall }: &Judgement) -> JudgementShape {
+    fn from(Judgement { luggage, verdict, issuer, note, hot, wall, taken, id, is_bare }: &Judgement) -> JudgementShape {
         JudgementShape {
             luggage: luggage.0,
             verdict: verdict.name().to_owned(),
@@ -182,6 +187,9 @@ impl From<&Judgement> for JudgementShape {
             when: (*wall).into(),
             note: note.as_ref().map(|note| note.text().to_owned()),
             hot: (*hot).into(),
+            taken: (*taken).into(),
+            id: id.as_ref().map(|id| id.text().to_owned()),
+            bare: *is_bare,
         }
     }
 }
@@ -195,6 +203,9 @@ impl JudgementShape {
             note: names::note(self.note)?,
             hot: self.hot.hot()?,
             wall: self.when.into(),
+            taken: self.taken.into(),
+            id: names::command_id(self.id)?,
+            is_bare: self.bare,
         })
     }
 }

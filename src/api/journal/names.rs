@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::Unparsed;
 use crate::api::door::DOORS;
 use crate::api::fields::in_short;
-use hallsweep_core::command::{Door, HotAnswer, Move, Note, Strategy, TemperatureReport, Verdict};
+use hallsweep_core::command::{CommandId, Door, HotAnswer, Move, Note, Strategy, TemperatureReport, Verdict};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::not_fetched::{AloneFault, Fetcher, StuckFault};
 use hallsweep_core::pair::{RetrievalFault, Saying};
@@ -52,6 +52,11 @@ pub(super) fn robot(name: &str) -> Result<RobotId, Unparsed> {
 pub(super) fn note(text: Option<String>) -> Result<Option<Note>, Unparsed> {
     let sound = |text: String| Note::new(&text).ok_or_else(|| Unparsed(format!("{:?} is no note of a verdict", in_short(&text))));
     text.map(sound).transpose()
+}
+
+pub(super) fn command_id(id: Option<String>) -> Result<Option<CommandId>, Unparsed> {
+    let sound = |id: String| CommandId::new(&id).ok_or_else(|| Unparsed("the id of the command is not valid".to_owned()));
+    id.map(sound).transpose()
 }
 
 /// Reads a number of stops. The store counts in signed 64-bit numbers, so a larger number is refused.

@@ -81,8 +81,8 @@ said-put-down = the robot was put down in another hall
 
 fact-started = program started, version { $version }
 fact-conditions = hall: { $hall }, cells of { $side } m, too hot above { $threshold }
-rule-two-judges = a piece is safe only by two judges
-rule-hot = three answers are needed before a piece is safe
+rule-two-judges = a verdict of safe needs two judges
+rule-hot = a verdict of safe needs the answers to three questions
 rule-goes-on = the search goes on after danger
 rule-rings = keep-out rings of { $metres } m
 fact-conditions-no-side = hall: { $hall }, too hot above { $threshold }

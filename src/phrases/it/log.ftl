@@ -84,8 +84,8 @@ said-put-down = il robot è stato messo in un'altra sala
 
 fact-started = programma avviato, versione { $version }
 fact-conditions = sala: { $hall }, celle di { $side } m, troppo caldo sopra { $threshold }
-rule-two-judges = un bagaglio è sicuro solo per due giudici
-rule-hot = tre risposte prima che un bagaglio sia sicuro
+rule-two-judges = un verdetto SICURO richiede due giudici
+rule-hot = un verdetto SICURO richiede le risposte a tre domande
 rule-goes-on = la ricerca prosegue dopo PERICOLO
 rule-rings = zone vietate di { $metres } m
 fact-conditions-no-side = sala: { $hall }, troppo caldo sopra { $threshold }

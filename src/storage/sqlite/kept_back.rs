@@ -4,13 +4,18 @@
 use super::fault::Fault;
 use super::folder::Folder;
 use crate::api::journal::{read_answers, written_answers};
+use crate::storage::names::KEPT_BACK;
 use hallsweep_core::world::luggage::Judgement;
 
 /// Maximum size of the file, in bytes. It is enough for answers about a thousand pieces.
 const MOST: usize = 1 << 20;
 
 pub(super) fn write(folder: &Folder, answers: &[Judgement]) -> Result<(), Fault> {
-    folder.kept_back().make(written_answers(answers).as_bytes()).map_err(Fault::File)
+    let mut file = folder.kept_back();
+    if file.path().is_dir() {
+        return Err(Fault::Unusable(KEPT_BACK, "it is a folder".to_owned()));
+    }
+    Ok(file.make(written_answers(answers).as_bytes())?)
 }
 
 /// Reads the answers. If the file cannot be read, nobody has answered, so both judges are asked again.

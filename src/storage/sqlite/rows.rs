@@ -66,7 +66,7 @@ impl Kinds {
                  'clockSet', 'thermometerSilent')",
             ),
             Kinds::Told => Some(
-                "kind IN ('command', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict', 'alarmRaised',
+                "kind IN ('command', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'judged', 'verdict', 'alarmRaised',
                  'alarmAcknowledged', 'programEnded', 'clockSet')",
             ),
             Kinds::OfArchives => Some("kind IN ('writtenOut', 'unpacked')"),

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::Engine;
-use crate::command::{Move, Request, Verdict};
+use crate::command::{Door, Move, Request, Verdict};
 use crate::hold::Hold;
 use crate::mission::{Act, Case, Guard, Input, InputContext, Rule, To, rules};
 use crate::phase::{FaultCause, PhaseName};
@@ -14,6 +14,8 @@ use crate::settings::{AfterDanger, HotRule, SafeBy};
 use crate::state::{Phase, Stage};
 use crate::units::{Cell, Epoch, LuggageId};
 use crate::world::hall_map::Mark;
+
+const NO_KEY: &str = "a verdict of safe needs two judges with keys, and CoAP has no keys: use the console, HTTP or MQTT";
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
@@ -106,9 +108,14 @@ impl Engine {
                 (None, _) => None,
             },
             Guard::Decided => self.decided(input, context),
+            Guard::NoKey => {
+                let is_without = context.issuer.as_ref().is_some_and(|issuer| issuer.door == Door::COAP);
+                forbids(is_without && self.settings.rules.safe_by == SafeBy::Two, Refused::NotAllowed(NO_KEY.to_owned()))
+            }
             Guard::NoPhoto => luggage.filter(|luggage| !luggage.has_photo()).map(|luggage| Refused::NoPhoto(luggage.id)),
             Guard::HotUnanswered => {
-                let is_missing = self.settings.rules.hot == HotRule::Required && !context.hot.is_complete();
+                let is_missing =
+                    self.settings.rules.hot == HotRule::Required && !context.hot.is_complete() && !self.has_answered(context);
                 context.luggage.filter(|_| is_missing).map(Refused::HotUnanswered)
             }
             Guard::NotInspected => match context.luggage {
@@ -176,7 +183,7 @@ impl Engine {
                 let verdict = context.luggage.and_then(|id| self.verdict_kept(id).or_else(|| self.mission.deciding(id)));
                 context.verdict.is_some() && verdict == context.verdict
             }
-            Case::FirstJudge => self.settings.rules.safe_by == SafeBy::Two && !self.judges.has_other_than(context),
+            Case::FirstJudge => self.settings.rules.safe_by == SafeBy::Two && !self.is_second_judge(context),
             Case::FromIdle => matches!(phase.underlying(), Phase::Idle),
             Case::RobotAtHome => self.rests_at_home(),
             Case::KeptOutLeft => self.unsearched_in_rings(&self.state.map) > 0,

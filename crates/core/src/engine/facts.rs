@@ -45,11 +45,19 @@ impl Engine {
         let meant = context.luggage.filter(|_| request.command.luggage() == Some(LuggageRef::Pending));
         let tone = if refused.is_none() { Tone::Info } else { Tone::Warning };
         let (asked, issuer) = (Asked::Command(request.command.clone()), request.issuer.clone());
-        let said = Said::Asked { asked: asked.clone(), meant, issuer: issuer.clone(), refused: refused.cloned() };
-        self.world.write(self.now.wall, tone, said);
+        // The second of two judges: if the verdict is lost, nothing may tell what he has answered.
+        let is_confidential = self.is_for_two(context.verdict) && refused.is_none();
+        if !is_confidential {
+            let said = Said::Asked { asked: asked.clone(), meant, issuer: issuer.clone(), refused: refused.cloned() };
+            self.world.write(self.now.wall, tone, said);
+        }
         let if_lost = refused.is_none().then_some(if context.verdict.is_some() { Refused::StoreDown } else { Refused::NotKept });
         let (luggage, refused) = (context.luggage, refused.cloned());
         let fact = Fact::Command { issuer, id: request.id.clone(), asked, epoch: request.epoch, luggage, refused };
-        self.outbox.record_command(self.now.wall, fact, if_lost);
+        if is_confidential {
+            self.outbox.record(self.now.wall, fact);
+        } else {
+            self.outbox.record_command(self.now.wall, fact, if_lost);
+        }
     }
 }

@@ -5,11 +5,12 @@
 use std::mem;
 
 use super::Engine;
-use crate::command::{Accepted, Verdict};
+use crate::asked::Asked;
+use crate::command::{Accepted, Command, Verdict};
 use crate::effect::KeptBack;
 use crate::mission::InputContext;
 use crate::refused::Refused;
-use crate::settings::SafeBy;
+use crate::settings::{HotRule, SafeBy};
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
 use crate::state::fact::Fact;
@@ -34,13 +35,6 @@ struct Answer {
 }
 
 impl Judges {
-    /// Whether a judge other than this sender has answered about the piece. Senders without a key have the same name,
-    /// so they count as one judge.
-    pub(super) fn has_other_than(&self, context: &InputContext) -> bool {
-        let own = context.issuer.as_ref().map(|issuer| issuer.key());
-        self.about(context.luggage).any(|answer| Some(answer.judgement.issuer.key()) != own)
-    }
-
     fn about(&self, luggage: Option<LuggageId>) -> impl Iterator<Item = &Answer> {
         self.answers.iter().filter(move |answer| Some(answer.judgement.luggage) == luggage)
     }
@@ -59,15 +53,52 @@ impl Judges {
     }
 }
 
+/// Whether a text may be a verdict, also one that is written wrongly, or in the words of an old client.
+#[must_use]
+pub fn tells_of_verdict(text: &str) -> bool {
+    let text = text.to_ascii_lowercase();
+    ["safe", "verdict", "afterphoto"].iter().any(|word| text.contains(word))
+}
+
 impl Engine {
-    /// Keeps the answer of a first judge back. An equal answer of the same judge is on record already.
+    /// Whether a judge other than this sender has answered about the present photo of the piece, with everything that
+    /// an answer needs. Senders without a key have the same name, so they count as one judge.
+    pub(super) fn is_second_judge(&self, context: &InputContext) -> bool {
+        let own = context.issuer.as_ref().map(|issuer| issuer.key());
+        self.counted(context.luggage).any(|judgement| Some(judgement.issuer.key()) != own)
+    }
+
+    /// Whether this sender has answered already, so that a bare *safe* of the same sender repeats that answer.
+    pub(super) fn has_answered(&self, context: &InputContext) -> bool {
+        let own = context.issuer.as_ref().map(|issuer| issuer.key());
+        self.counted(context.luggage).any(|judgement| Some(judgement.issuer.key()) == own)
+    }
+
+    fn counted(&self, luggage: Option<LuggageId>) -> impl Iterator<Item = &Judgement> {
+        let taken = luggage.and_then(|id| self.state.luggage.get(id)).map(|piece| piece.taken);
+        let needs_hot = self.settings.rules.hot == HotRule::Required;
+        let counts = move |judgement: &&Judgement| Some(judgement.taken) == taken && (!needs_hot || judgement.hot.is_complete());
+        self.judges.about(luggage).map(|answer| &answer.judgement).filter(counts)
+    }
+
+    /// Keeps the answer of a first judge back. It replaces an earlier answer of the same judge, unless it is equal.
     pub(super) fn keep_back(&mut self, context: &InputContext) {
         let (Some(luggage), Some(verdict), Some(issuer)) = (context.luggage, context.verdict, &context.issuer) else { return };
-        if self.judges.about(Some(luggage)).next().is_some() {
+        let Some(taken) = self.state.luggage.get(luggage).map(|piece| piece.taken) else { return };
+        let (issuer, note, wall) = (issuer.clone(), context.note.clone(), self.now.wall);
+        let (id, is_bare) = (context.id.clone(), context.is_bare);
+        let judgement = Judgement { luggage, verdict, issuer, note, hot: context.hot, wall, taken, id, is_bare };
+        let is_own = |other: &Judgement| other.luggage == luggage && other.issuer.key() == judgement.issuer.key();
+        let says_the_same =
+            |other: &Judgement| (&other.note, other.hot, other.taken) == (&judgement.note, judgement.hot, judgement.taken);
+        let adds_nothing = |other: &Judgement| {
+            let is_bare_word = judgement.note.is_none() && judgement.hot.is_empty() && other.taken == taken;
+            is_own(other) && (is_bare_word || says_the_same(other))
+        };
+        if self.judges.judgements().any(adds_nothing) {
             return;
         }
-        let (issuer, note, wall) = (issuer.clone(), context.note.clone(), self.now.wall);
-        let judgement = Judgement { luggage, verdict, issuer, note, hot: context.hot, wall };
+        self.judges.answers.retain(|answer| !is_own(&answer.judgement));
         let answers = self.judges.judgements().cloned().chain([judgement.clone()]).collect();
         let list = self.judges.next(answers);
         self.judges.answers.push(Answer { judgement, number: list.number, is_stored: false });
@@ -107,6 +138,12 @@ impl Engine {
             return judged;
         }
         for judgement in &judged {
+            // A repeat with this id stays a repeat after a restart.
+            if let Some(id) = &judgement.id {
+                let (issuer, asked) = (judgement.issuer.clone(), Asked::Command(judgement.command()));
+                let (id, luggage) = (Some(id.clone()), Some(luggage));
+                self.outbox.record(self.now.wall, Fact::Command { issuer, id, asked, epoch: None, luggage, refused: None });
+            }
             self.outbox.record(self.now.wall, Fact::Judged(Box::new(judgement.clone())));
         }
         let left = self.judges.judgements().filter(|judgement| judgement.luggage != luggage).cloned().collect();
@@ -145,12 +182,16 @@ impl Engine {
         }
     }
 
-    /// Continues after a restart. Answers about pieces that have got a verdict are on record already. If one judge is
-    /// enough now, or the mission is over, the others are recorded.
+    /// Continues after a restart. Answers about pieces that have got a verdict are on record already, and answers from
+    /// another journal are about other pieces. If one judge is enough now, the others are recorded.
     pub(super) fn recall_judgements(&mut self, kept_back: Vec<Judgement>) {
-        let is_pending =
-            |judgement: &Judgement| self.state.luggage.get(judgement.luggage).is_some_and(|piece| piece.is_pending());
-        let answers = kept_back.into_iter().filter(is_pending);
+        let is_awaited = |judgement: &Judgement| {
+            let piece = self.state.luggage.get(judgement.luggage);
+            piece.is_some_and(|piece| {
+                piece.is_pending() && piece.first_taken <= judgement.taken && !piece.judged.contains(judgement)
+            })
+        };
+        let answers = kept_back.into_iter().filter(is_awaited);
         self.judges.answers = answers.map(|judgement| Answer { judgement, number: 0, is_stored: true }).collect();
         if self.settings.rules.safe_by == SafeBy::One {
             self.publish_all_judgements();
@@ -160,8 +201,35 @@ impl Engine {
     /// Whether a command must leave no trace: a *safe* about a piece that waits for two judges, if it is kept back or
     /// refused. A trace would tell others what its sender thinks of the piece.
     pub(super) fn is_secret(&self, context: &InputContext, is_kept_back: bool, is_refused: bool) -> bool {
-        let is_about_two = self.settings.rules.safe_by == SafeBy::Two && context.verdict == Some(Verdict::Safe);
-        let piece = context.luggage.and_then(|id| self.state.luggage.get(id));
-        is_kept_back || is_about_two && is_refused && piece.is_some_and(|piece| piece.is_pending())
+        is_kept_back || self.is_for_two(context.verdict) && is_refused && self.is_about_two(context.luggage)
+    }
+
+    /// Whether this piece waits for two judges.
+    pub(super) fn is_about_two(&self, luggage: Option<LuggageId>) -> bool {
+        let is_pending = luggage.and_then(|id| self.state.luggage.get(id)).is_some_and(|piece| piece.is_pending());
+        is_pending && self.settings.rules.safe_by == SafeBy::Two
+    }
+
+    /// Whether a request that a door has refused may be an answer to a piece that waits for two judges. The doors do
+    /// not understand such a request, so its words decide.
+    #[must_use]
+    pub fn may_be_answer(&self, asked: &Asked, refused: &Refused) -> bool {
+        let tells = match asked {
+            Asked::Command(Command::Verdict { verdict, .. }) => *verdict == Verdict::Safe,
+            Asked::Words(words) => tells_of_verdict(words) || tells_of_verdict(&refused.to_string()),
+            Asked::Many { last, .. } => return self.may_be_answer(last, refused),
+            Asked::Command(_) | Asked::Stops { .. } | Asked::Simulated(_) => false,
+        };
+        tells && self.settings.rules.safe_by == SafeBy::Two && self.state.luggage.pending().next().is_some()
+    }
+
+    pub(super) fn is_for_two(&self, verdict: Option<Verdict>) -> bool {
+        self.settings.rules.safe_by == SafeBy::Two && verdict == Some(Verdict::Safe)
+    }
+
+    /// Whether the figures may count this command. A count of verdicts would tell that somebody has answered.
+    #[must_use]
+    pub fn is_counted(&self, command: &Command) -> bool {
+        self.settings.rules.safe_by == SafeBy::One || !matches!(command, Command::Verdict { .. })
     }
 }

@@ -43,6 +43,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use self::decide::Step;
+pub use self::judges::tells_of_verdict;
 pub use self::motion::Barred;
 pub use self::past::{Past, way_behind};
 pub use self::recall::{Recalled, RememberedLine};
@@ -171,6 +172,7 @@ impl Engine {
         // A sender may name an epoch that is higher than the present one. The epoch at the command's arrival is then
         // used, so that a later stop still makes the command outdated.
         context.epoch = [request.epoch, request.arrived].into_iter().flatten().min();
+        context.id.clone_from(&request.id);
         let outcome = match self.refuse_outdated(input, &request, context.epoch) {
             Ok(()) => self.decide(input, &context),
             Err(outdated) => Err((outdated, &[][..])),
@@ -392,8 +394,11 @@ impl Engine {
             IdUse::New => return None,
             IdUse::Other => {
                 let refused = Refused::OtherContent(id.clone());
-                let (_, context) = InputContext::of(&request.command, &request.issuer, None);
-                self.write_command(request, &context, Some(&refused));
+                let (_, context) = InputContext::of(&request.command, &request.issuer, self.pending());
+                // The earlier answer may be one that is kept back, and a refusal would tell of it.
+                if !self.is_about_two(context.luggage) {
+                    self.write_command(request, &context, Some(&refused));
+                }
                 return Some(Err(refused));
             }
             IdUse::Same(outcome) => outcome.clone(),

@@ -52,6 +52,7 @@ impl Engine {
         let mut engine = Engine::new(settings, state.strategy, run);
         engine.outbox = Outbox::after(written);
         engine.repeats.recall(&commands);
+        kept_back.iter().for_each(|judgement| engine.repeats.recall_judgement(judgement));
         engine.begin(now);
         for RememberedLine { wall, tone, said } in latest {
             engine.world.log.put(wall, tone, said);

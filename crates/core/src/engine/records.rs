@@ -83,10 +83,13 @@ impl Engine {
         let (Some(luggage), Some(verdict), Some(issuer)) = (context.luggage, context.verdict, &context.issuer) else { return };
         let who = Arc::clone(&issuer.who);
         let (note, hot) = (context.note.clone(), context.hot);
-        let judged = self.publish_judgements(luggage);
+        let replaced = self.mission.deciding.iter().position(|deciding| deciding.luggage == luggage);
+        let judged = match replaced.map(|place| self.mission.deciding.remove(place)) {
+            Some(replaced) => replaced.judged,
+            None => self.publish_judgements(luggage),
+        };
         let fact = Fact::Verdict { luggage, verdict, who: Arc::clone(&who), note: note.clone(), hot };
         let seq = self.outbox.record(self.now.wall, fact);
-        self.mission.deciding.retain(|deciding| deciding.luggage != luggage);
         self.outbox.defer(luggage, seq);
         self.mission.deciding.push(Deciding { seq, wall: self.now.wall, luggage, verdict, who, note, hot, judged });
     }
@@ -134,7 +137,11 @@ impl Engine {
             self.world.write(self.now.wall, Tone::Info, Said::fact(&Fact::Judged(Box::new(judgement.clone()))));
             self.state.follow(&Fact::Judged(Box::new(judgement)), wall, self.world.revision());
         }
-        self.state.follow(&Fact::Verdict { luggage, verdict, who, note, hot }, wall, self.world.revision());
+        let fact = Fact::Verdict { luggage, verdict, who, note, hot };
+        if self.is_for_two(Some(verdict)) {
+            self.world.write(self.now.wall, Tone::Info, Said::fact(&fact));
+        }
+        self.state.follow(&fact, wall, self.world.revision());
         let input = match verdict {
             Verdict::Safe => Input::SafeRecorded,
             Verdict::Danger => Input::DangerRecorded,

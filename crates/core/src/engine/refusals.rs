@@ -34,6 +34,9 @@ impl Engine {
     /// with others.
     pub fn note_refused(&mut self, issuer: Issuer, asked: Asked, refused: &Refused, count: u64, now: Now) -> Option<Seq> {
         self.begin(now);
+        if !matches!(refused, Refused::NotAllowed(_)) && self.may_be_answer(&asked, refused) {
+            return None;
+        }
         let note = Note { issuer, asked, refused: refused.clone() };
         let due = self.refusals.come(note.sender(), note, count, now.since_start);
         let is_written = due.is_some();

@@ -10,6 +10,7 @@ use crate::command::{Accepted, Command, CommandId, Issuer, Request};
 use crate::refused::{OTHER_CONTENT, RefusalKind, Refused};
 use crate::state::fact::{Entry, Fact};
 use crate::units::{Epoch, LuggageId, Ticket};
+use crate::world::luggage::Judgement;
 
 /// Maximum number of ids that are remembered. No client has as many unanswered commands. At the limit, the sender
 /// with the most ids (by name and address) loses its oldest id. A flood from one address therefore removes no id of
@@ -126,6 +127,13 @@ impl Repeats {
         if repeat.outcome.is_to_be_tried_again() {
             self.forget(&key);
         }
+    }
+
+    /// Remembers the answer of a judge that is kept back.
+    pub(super) fn recall_judgement(&mut self, judgement: &Judgement) {
+        let Some(id) = &judgement.id else { return };
+        let content = Content { asked: Asked::Command(judgement.command()), epoch: None };
+        self.note(&judgement.issuer, id, content, Outcome::Before(Some(judgement.luggage)));
     }
 
     pub(super) fn recall(&mut self, entries: &[Entry]) {

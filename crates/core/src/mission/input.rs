@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use crate::command::{Command, Hot, Issuer, Move, Note, OPERATOR, Strategy, TemperatureReport, Verdict};
+use crate::command::{Command, CommandId, Hot, Issuer, LuggageRef, Move, Note, OPERATOR, Strategy, TemperatureReport, Verdict};
 use crate::event::{Obstacle, Photo};
 use crate::hold::HoldReason;
 use crate::phase::FaultCause;
@@ -74,6 +74,10 @@ pub(crate) struct InputContext {
     pub(crate) epoch: Option<Epoch>,
     /// The piece that the command names, or that a verdict without a number means.
     pub(crate) luggage: Option<LuggageId>,
+    /// Whether the command names no piece, so that it means the one that waits.
+    pub(crate) is_bare: bool,
+    /// The sender's id for the command.
+    pub(crate) id: Option<CommandId>,
     pub(crate) verdict: Option<Verdict>,
     pub(crate) note: Option<Note>,
     pub(crate) hot: Hot,
@@ -106,12 +110,12 @@ impl InputContext {
             Command::Move(step) => (Input::Move, InputContext { step: Some(*step), ..context }),
             Command::Goto(cell) => (Input::Goto, InputContext { cell: Some(*cell), ..context }),
             Command::Verdict { luggage, verdict, note, hot } => {
-                let luggage = luggage.or(pending);
+                let (luggage, is_bare) = (luggage.or(pending), *luggage == LuggageRef::Pending);
                 let input = match verdict {
                     Verdict::Safe => Input::Safe,
                     Verdict::Danger => Input::Danger,
                 };
-                (input, InputContext { luggage, verdict: Some(*verdict), note: note.clone(), hot: *hot, ..context })
+                (input, InputContext { luggage, is_bare, verdict: Some(*verdict), note: note.clone(), hot: *hot, ..context })
             }
             Command::RetakePhoto(id) => (Input::RetakePhoto, InputContext { luggage: Some(*id), ..context }),
             Command::Acknowledge(id) => (Input::Acknowledge, InputContext { alarm: Some(*id), ..context }),

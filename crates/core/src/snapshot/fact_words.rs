@@ -92,8 +92,8 @@ fn said(fact: &Fact) -> String {
 fn rules_in_words(Rules { after_danger, keep_out_m, safe_by, hot }: Rules) -> String {
     let goes_on = (after_danger == AfterDanger::GoOn).then(|| ", the search goes on after danger".to_owned());
     let rings = (keep_out_m > 0.0).then(|| format!(", keep-out rings of {keep_out_m} m"));
-    let judges = (safe_by == SafeBy::Two).then(|| ", a piece is safe only by two judges".to_owned());
-    let hot = (hot == HotRule::Required).then(|| ", three answers are needed before a piece is safe".to_owned());
+    let judges = (safe_by == SafeBy::Two).then(|| ", a verdict of safe needs two judges".to_owned());
+    let hot = (hot == HotRule::Required).then(|| ", a verdict of safe needs the answers to three questions".to_owned());
     goes_on.into_iter().chain(rings).chain(judges).chain(hot).collect()
 }
 

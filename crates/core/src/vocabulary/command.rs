@@ -435,6 +435,8 @@ pub struct Door(pub &'static str);
 impl Door {
     /// No interface: the caller owns the engine, such as the command line (`hallsweep explore`).
     pub const LOCAL: Door = Door("local");
+    /// The only interface without keys.
+    pub const COAP: Door = Door("coap");
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -16,9 +16,9 @@ pub enum Event {
     Recorded(Seq),
     StoreFailed(String),
     /// The store still cannot write, but now for this reason.
+    StoreReason(String),
     /// The answers of judges up to the list with this number are stored.
     KeptBack(u64),
-    StoreReason(String),
     StoreRestored,
 }
 

@@ -58,7 +58,7 @@ pub enum Refused {
     #[error("there is no luggage #{0}")]
     UnknownLuggage(LuggageId),
     /// Only a dangerous piece that is still in the hall is fetched.
-    #[error("luggage #{0} is no bomb in the hall: name a dangerous piece that was not fetched yet")]
+    #[error("luggage #{0} is not a bomb in the hall: name a dangerous piece that has not been fetched yet")]
     NotABomb(LuggageId),
     /// An old client sent a verdict without a number, but no piece waits for a verdict.
     #[error("no luggage waits for a verdict")]
@@ -69,7 +69,9 @@ pub enum Refused {
     #[error("luggage #{0} has no usable photo: take it again, or answer danger")]
     NoPhoto(LuggageId),
     /// The rules of the team ask for the three answers before a piece is declared safe.
-    #[error("luggage #{0} cannot be declared safe yet: answer whether it is hidden, obviously suspicious, typical of this place")]
+    #[error(
+        "luggage #{0} cannot be declared safe yet: first answer whether it is hidden, obviously suspicious or typical of this place"
+    )]
     HotUnanswered(LuggageId),
     /// Only the piece in front of the robot can be photographed.
     #[error("luggage #{0} is not the one being inspected")]

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::command::{Hot, Issuer, Note, Verdict};
+use crate::command::{Command, CommandId, Hot, Issuer, LuggageRef, Note, Verdict};
 use crate::event::Photo;
 use crate::units::{Cell, LuggageId, Piece, Pose, WallTime};
 
@@ -84,6 +84,20 @@ pub struct Judgement {
     pub hot: Hot,
     /// When the judge answered.
     pub wall: WallTime,
+    /// When the photo was taken that the judge saw.
+    pub taken: WallTime,
+    /// The judge's id for the command, and whether the command named no piece. A repeat of the command is known by them.
+    pub id: Option<CommandId>,
+    pub is_bare: bool,
+}
+
+impl Judgement {
+    /// Returns the command with which the judge has answered.
+    #[must_use]
+    pub fn command(&self) -> Command {
+        let luggage = if self.is_bare { LuggageRef::Pending } else { LuggageRef::Id(self.luggage) };
+        Command::Verdict { luggage, verdict: self.verdict, note: self.note.clone(), hot: self.hot }
+    }
 }
 
 impl Luggage {

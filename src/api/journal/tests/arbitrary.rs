@@ -402,14 +402,20 @@ fn hot() -> impl Strategy<Value = Hot> {
 fn judgement() -> impl Strategy<Value = Judgement> {
     let issuer = (one_of(&DOORS), text(), text());
     let issuer = issuer.prop_map(|(door, who, from)| Issuer { door, who: who.into(), from: from.into() });
-    (any::<u64>(), verdict(), issuer, note(), hot(), wall()).prop_map(|(luggage, verdict, issuer, note, hot, wall)| Judgement {
-        luggage: LuggageId(luggage),
-        verdict,
-        issuer,
-        note,
-        hot,
-        wall,
-    })
+    let known_by = (wall(), option::of(command_id()), any::<bool>());
+    (any::<u64>(), verdict(), issuer, note(), hot(), wall(), known_by).prop_map(
+        |(luggage, verdict, issuer, note, hot, wall, (taken, id, is_bare))| Judgement {
+            luggage: LuggageId(luggage),
+            verdict,
+            issuer,
+            note,
+            hot,
+            wall,
+            taken,
+            id,
+            is_bare,
+        },
+    )
 }
 
 fn luggage() -> impl Strategy<Value = Luggage> {

@@ -299,7 +299,9 @@ impl View<'_> {
                     (false, false) => None,
                 };
                 let go_on = self.offers_go_on().then_some("next-go-on");
-                let said = fetch.into_iter().chain(go_on).chain(["next-reset"]).map(|id| self.say(id).to_string());
+                let kept_out = (self.snapshot.mission.progress.kept_out > 0).then_some("next-kept-out");
+                let said =
+                    fetch.into_iter().chain(go_on).chain(kept_out).chain(["next-reset"]).map(|id| self.say(id).to_string());
                 Some(said.collect::<Vec<_>>().join(" "))
             }
             PhaseName::BagSecured => {

@@ -26,7 +26,8 @@ use crate::doors::connection_limits::CommandRate;
 use crate::runtime::clock::Clock;
 use crate::runtime::figures::Figures;
 use crate::runtime::handle::Handle;
-use hallsweep_core::command::{Command, Request};
+use hallsweep_core::command::{Command, Request, Verdict};
+use hallsweep_core::engine::tells_of_verdict;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::settings::SafeBy;
 use hallsweep_core::units::Epoch;
@@ -130,12 +131,21 @@ impl Commands {
                 parsed.asked = Ok((Command::RetakePhoto(piece.id), None));
             }
         }
+        let is_danger = matches!(parsed.asked, Ok((Command::Verdict { verdict: Verdict::Danger, .. }, _)));
+        if self.is_confidential(heard, &parsed) && !is_danger {
+            parsed.reply = parsed.reply.confidential();
+        }
         match &parsed.asked {
             Ok((command, epoch)) => self.give(&parsed, command, *epoch, Some(heard), publisher),
             Err(problem) => self.refuse(&parsed, problem, publisher),
         }
-        let is_verdict = matches!(parsed.asked, Ok((Command::Verdict { .. }, _)));
-        if is_verdict && self.keeps_verdicts { Taken::InConfidence } else { Taken::Taken }
+        if self.is_confidential(heard, &parsed) { Taken::InConfidence } else { Taken::Taken }
+    }
+
+    /// Whether nobody else may read the message: it is a verdict, or may be one that is written wrongly.
+    fn is_confidential(&self, heard: &IncomingMessage<'_>, parsed: &ParsedCommand) -> bool {
+        let tells = || tells_of_verdict(heard.topic) || tells_of_verdict(&String::from_utf8_lossy(heard.payload));
+        self.keeps_verdicts && (matches!(parsed.asked, Ok((Command::Verdict { .. }, _))) || parsed.asked.is_err() && tells())
     }
 
     /// Halts the robot if a message names STOP, whatever else is wrong with the message (safety S8). Returns whether
@@ -193,13 +203,16 @@ impl Commands {
         let request = Request { id, epoch, arrived, is_again, ..Request::new(command.clone(), publisher.issuer()) };
         let given = self.handle.carry_out(request);
         if let Ok(permit) = permit {
-            let is_confidential = self.keeps_verdicts && matches!(command, Command::Verdict { .. });
-            self.results.follow(given, parsed.reply.clone().confidential(is_confidential), publisher.clone(), permit);
+            self.results.follow(given, parsed.reply.clone(), publisher.clone(), permit);
         }
     }
 
     /// Records a refusal (safety A6), and publishes it as the answer.
     fn refuse(&self, parsed: &ParsedCommand, problem: &Problem, publisher: &Publisher) {
+        // The refusal would tell what the sender thinks of the piece that waits.
+        if parsed.reply.is_confidential && self.handle.snapshot().luggage.pending().next().is_some() {
+            return;
+        }
         self.handle.note_refused_at_once(publisher.issuer(), parsed.for_record(), problem.for_record());
         self.results.refused(&parsed.reply, publisher, problem);
     }

@@ -69,8 +69,8 @@ pub(super) struct Reply {
 }
 
 impl Reply {
-    pub(super) fn confidential(self, is_confidential: bool) -> Reply {
-        Reply { is_confidential, ..self }
+    pub(super) fn confidential(self) -> Reply {
+        Reply { is_confidential: true, ..self }
     }
 
     pub(super) fn is_wanted(&mut self, wanted: Option<AnswerTo<'_>>) {
@@ -105,6 +105,7 @@ impl Results {
             match tokio::time::timeout(PATIENCE, done).await {
                 Ok(Ok(Done { accepted: Accepted { is_kept_back: true, .. }, .. })) => {}
                 Ok(Err(NotDone::Refused(_, Some(piece)))) if reply.is_confidential && piece.is_pending() => {}
+                Ok(Err(NotDone::Gone)) | Err(_) if reply.is_confidential => {}
                 Ok(Ok(done)) => results.accepted(&reply, &publisher, &done),
                 Ok(Err(not_done)) => results.refused(&reply, &publisher, &not_done.into()),
                 Err(_) => results.refused(&reply, &publisher, &Problem::no_answer(PATIENCE)),

@@ -61,6 +61,7 @@ const SAFE: &[Rule] = &[
     RefuseIf(Guard::UnknownLuggage),
     When(Case::SameVerdict, Stay, &[]),
     RefuseIf(Guard::Decided),
+    RefuseIf(Guard::NoKey),
     RefuseIf(Guard::StoreDown),
     RefuseIf(Guard::NoPhoto),
     RefuseIf(Guard::HotUnanswered),
