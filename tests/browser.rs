@@ -308,17 +308,27 @@ fn every_page_in_every_state_is_for_everybody() {
 
 #[test]
 fn people_sign_in_and_a_viewer_can_only_stop() {
-    play_with_keys("signedIn", play_with);
+    play_with_keys("signedIn", play_with, &[]);
 }
 
 #[test]
 fn nothing_in_the_bar_is_cut_or_lies_over_anything_in_any_language_at_any_width() {
-    play_with_keys("barWhole", play_with);
+    play_with_keys("barWhole", play_with, &[]);
 }
 
 #[test]
 fn people_sign_in_on_a_phone_and_a_viewer_can_only_stop() {
-    play_with_keys("signedInOnPhone", play_with);
+    play_with_keys("signedInOnPhone", play_with, &[]);
+}
+
+#[test]
+fn two_people_judge_apart_and_two_bombs_are_found_and_fetched() {
+    let settings = [
+        ("HALLSWEEP__MISSION__SAFE_BY", "2"),
+        ("HALLSWEEP__MISSION__KEEP_OUT_M", "1.5"),
+        ("HALLSWEEP__MQTT__REQUIRE_PASSWORD", "true"),
+    ];
+    play_with_keys("judges", play_with, &settings);
 }
 
 /// Safety S1: under a prefix STOP is posted to the program, with scripts and without.
@@ -345,29 +355,34 @@ fn under_a_prefix_simulator_editor_and_laboratory_are_at_hand() {
 
 #[test]
 fn under_a_prefix_people_sign_in_and_out() {
-    play_with_keys("signedIn", play_under_a_prefix);
+    play_with_keys("signedIn", play_under_a_prefix, &[]);
 }
 
 /// Function that plays a scenario: its name, and the arguments and the environment of the program.
 type Play = fn(&str, &[&str], &[(&str, &str)]);
 
-/// Plays a scenario against a program that requires keys; the script gets an operator's and a viewer's key.
-fn play_with_keys(scenario: &str, play: Play) {
+/// Plays a scenario against a program that requires keys; the script gets the keys of two operators and of a viewer.
+fn play_with_keys(scenario: &str, play: Play, settings: &[(&str, &str)]) {
     let Data(data) = &Data::new(scenario);
-    let added = hallsweep(&["token", "--data", data, "add", "lobby", "--role", "viewer"]).output().expect("the program starts");
-    let shown = String::from_utf8(added.stdout).expect("text");
+    let add = |name: &str, role: &str| {
+        let added = hallsweep(&["token", "--data", data, "add", name, "--role", role]).output().expect("the program starts");
+        String::from_utf8(added.stdout).expect("text")
+    };
+    let shown = add("lobby", "viewer") + &add("second", "operator");
     let key = |name: &str| {
         let (_, its) = shown.split_once(name).expect("a key of this name");
         its.split_once("?token=").and_then(|(_, rest)| rest.lines().next()).expect("a link").to_owned()
     };
-    let (operator, viewer) = (key("operator ("), key("lobby ("));
+    let (operator, second, viewer) = (key("operator ("), key("second ("), key("lobby ("));
     let environment = [
         ("HALLSWEEP__HTTP__REQUIRE_TOKEN", "true"),
         ("OPERATOR", operator.as_str()),
+        ("SECOND", &second),
         ("VIEWER", &viewer),
         ("DATA", data),
         ("PROGRAM", env!("CARGO_BIN_EXE_hallsweep")),
     ];
+    let environment = [&environment, settings].concat();
     play(scenario, &["--hall", "airport", "--speed", "max", "--data", data], &environment);
 }
 

@@ -1,8 +1,8 @@
 // Plays one scenario: `node play.mjs SCENARIO URL CHROMIUM SHOTS`. Exit code 0 means that a person would have been
 // content. This file opens the browser, watches it for faults that no page may have, and closes it. The scenarios are
 // in the files beside it: scenarios.mjs, always.mjs (STOP and the keyboard), verdicts.mjs (the moment of the
-// verdict), time.mjs (the timeline), italian.mjs, laboratory.mjs, large.mjs (large halls), pictures.mjs
-// (for people to look at), report.mjs, retrieval.mjs and simulator.mjs.
+// verdict), time.mjs (the timeline), italian.mjs, judges.mjs (two judges), laboratory.mjs, large.mjs (large halls),
+// pictures.mjs (for people to look at), report.mjs, retrieval.mjs and simulator.mjs.
 
 import { mkdirSync } from 'node:fs';
 import { createInterface } from 'node:readline';
@@ -10,6 +10,7 @@ import { chromium } from 'playwright-core';
 import * as access from './access.mjs';
 import * as always from './always.mjs';
 import * as italian from './italian.mjs';
+import * as judges from './judges.mjs';
 import * as laboratory from './laboratory.mjs';
 import * as large from './large.mjs';
 import * as pictures from './pictures.mjs';
@@ -22,7 +23,7 @@ import * as simulator from './simulator.mjs';
 import * as verdicts from './verdicts.mjs';
 
 const [name, url, executablePath, shots] = process.argv.slice(2);
-const modules = [missions, access, always, italian, laboratory, large, pictures, report, retrieval, time, verdicts, simulator];
+const modules = [missions, access, always, italian, judges, laboratory, large, pictures, report, retrieval, time, verdicts, simulator];
 const names = modules.flatMap(Object.keys);
 const twice = names.filter((one, place) => names.indexOf(one) < place);
 if (twice.length > 0) throw new Error(`two scenarios are called ${twice}`);

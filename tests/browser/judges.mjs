@@ -1,0 +1,95 @@
+// Two people judge: what the first answers stays hidden from the second, each on a page in another language. After a
+// danger the search goes on, and both bombs are fetched, the second one first.
+
+import { appears, button, fits, look, must, numberOf, phase, photoIsShown, safe, start, until } from './person.mjs';
+
+async function signIn(page, url, token) {
+  await page.goto(`${url}/sign-in?token=${token}`);
+  await page.locator('form.sign-in button').click();
+  await page.locator('#phase, .phase').first().waitFor();
+}
+
+const judges = {
+  async play({ page, url, picture, patience }) {
+    const { OPERATOR, SECOND } = process.env;
+    const waiting = { patience };
+    const context = await page.context().browser().newContext({ locale: 'it-IT', viewport: { width: 1280, height: 800 } });
+    const other = await context.newPage();
+    await signIn(page, url, OPERATOR);
+    await signIn(other, url, SECOND);
+    const state = async () => (await page.request.get(`${url}/api/v1/state`)).json();
+    const record = async (id) => (await page.request.get(`${url}/api/v1/luggage/${id}`)).json();
+
+    // Safe by two. The first judge also answers the three questions, by keys.
+    await start(page).click();
+    await appears(page, safe(page), waiting);
+    const first = await numberOf(safe(page));
+    await photoIsShown(page, first);
+    await look(page);
+    for (const key of ['1', '1', '3']) await page.keyboard.press(key);
+    must(await page.getByRole('radiogroup', { name: 'Hidden?' }).getByLabel('no', { exact: true }).isChecked(), 'the second press of 1 is no');
+    await page.getByRole('textbox', { name: /Note/ }).fill('a lunch box');
+    await picture('first-answers');
+    await safe(page).click();
+    const told = page.locator('#inspect .why').filter({ hasText: `Your answer about luggage #${first} is recorded.` });
+    await told.waitFor();
+    const isSeen = await told.evaluate((one) => {
+      const { left, bottom } = one.getBoundingClientRect();
+      return one.contains(document.elementFromPoint(left + 9, bottom - 3));
+    });
+    must(isSeen, 'what is said of the answer is out of sight');
+    await picture('first-kept-back');
+    must((await record(first)).verdict === 'pending', 'one key has made a piece safe');
+    await look(other);
+    const shown = await other.locator('body').innerText();
+    must(!/lunch box|riservata|registrata|operator/.test(shown), `the second judge is told of the first: ${shown}`);
+    await picture('second-asked', other);
+    await other.getByRole('button', { name: new RegExp(`SICURO #${first}`) }).first().click();
+    await until(async () => (await record(first)).verdict === 'safe', 'safe by two', patience);
+    const { decided, judged } = await record(first);
+    must(decided.by === 'second' && judged[0].by === 'operator', `judged by ${JSON.stringify([decided, judged])}`);
+    must(judged[0].note === 'a lunch box' && judged[0].hidden === 'no' && judged[0].typical === 'yes', JSON.stringify(judged));
+
+    // One danger is enough. The robot comes home, and the search goes on from there.
+    const found = async (before) => {
+      const asks = button(page, new RegExp(`DANGER #(?!${before}\\b)\\d+`)).first();
+      await appears(page, asks, waiting);
+      const id = await numberOf(asks);
+      await photoIsShown(page, id);
+      await look(page);
+      await asks.click();
+      await page.getByRole('dialog').getByRole('button', { name: /DANGER/ }).click();
+      await phase(page, /bomb located/i, waiting);
+      await look(page);
+      await button(page, 'Acknowledge').click();
+      await button(page, 'Acknowledge').waitFor({ state: 'hidden' });
+      await look(page);
+      return id;
+    };
+    const one = await found(first);
+    await picture('one-bomb');
+    await button(page, 'GO ON SEARCHING').click();
+    const two = await found(one);
+    await fits(page);
+    await picture('two-bombs');
+    must((await state()).mission.keepOut.length === 2, 'each bomb has its ring');
+
+    // The operator chooses which one is fetched first.
+    await button(page, `RETRIEVE #${two}`).click();
+    await until(async () => (await record(two)).secured, 'the second bomb in the container', patience);
+    await phase(page, /secured|located/i, waiting);
+    must(!(await record(one)).secured, 'the other one was fetched too');
+    await picture('second-fetched');
+    await look(page);
+    await button(page, /RETRIEVE/).first().click();
+    await until(async () => (await record(one)).secured, 'both bombs in the container', patience);
+    await phase(page, /secured/i, waiting);
+    await picture('both-fetched');
+    must(!(await state()).mission.keepOut, 'a ring is left');
+    const report = await (await page.request.get(`${url}/missions/1/report`)).text();
+    must(/answer kept back until now/.test(report) && /hidden: no/.test(report), `the report says nothing of the judges: ${report}`);
+    await context.close();
+  },
+};
+
+export { judges };
