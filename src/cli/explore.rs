@@ -15,6 +15,7 @@ use crate::app::AppError;
 use crate::config::{self, Flag, Sources};
 use crate::robots::{Unusable, sim};
 use crate::telemetry;
+use hallsweep_core::settings::{HotRule, Rules, SafeBy};
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::fact::Entry;
 use hallsweep_sim::headless::{self, Verdicts};
@@ -66,7 +67,9 @@ enum Answers {
 }
 
 pub fn run(flags: &Explore) -> Result<(), Failure> {
-    let settings = super::settings(&flags.sources())?;
+    let mut settings = super::settings(&flags.sources())?;
+    // One simulated operator judges by the hall file, and answers no questions.
+    settings.core.rules = Rules { safe_by: SafeBy::One, hot: HotRule::Optional, ..settings.core.rules };
     let hall = sim::hall(&settings).map_err(|unusable| AppError::from(Unusable::from(unusable)))?;
     distinct(flags.hall.as_deref().map(Path::new), flags.map.as_deref().map(Path::new).into_iter().chain(flags.log.as_deref()))?;
     let map = flags.map.as_deref().map(|path| MapFile::at(path, flags.force)).transpose()?;

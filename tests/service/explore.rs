@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::program::run;
+use crate::program::{hallsweep, run};
 
 fn explore(arguments: &[&str]) -> Value {
     let arguments = [&["explore", "--json"], arguments].concat();
@@ -89,6 +89,15 @@ fn a_hall_that_cannot_be_read_is_refused_with_its_line() {
     assert_eq!(output.status.code(), Some(2), "{said}");
     assert!(said.contains(":3:") && said.contains('?'), "{said}");
     assert_eq!(run(&["explore", "--strategy", "zigzag"]).status.code(), Some(2));
+}
+
+/// The simulated operator is one judge, who answers no questions.
+#[test]
+fn rules_for_judges_do_not_stop_a_run() {
+    let mut command = hallsweep(&["explore", "--json", "--hall", "seed"]);
+    let ruled = command.env("HALLSWEEP__MISSION__SAFE_BY", "2").env("HALLSWEEP__MISSION__HOT", "required").output().unwrap();
+    assert!(ruled.status.success(), "{}", String::from_utf8_lossy(&ruled.stderr));
+    assert_eq!(serde_json::from_slice::<Value>(&ruled.stdout).unwrap(), explore(&["--hall", "seed"]));
 }
 
 #[test]
