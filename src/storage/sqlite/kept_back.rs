@@ -4,6 +4,7 @@
 use super::fault::Fault;
 use super::folder::Folder;
 use crate::api::journal::{read_answers, written_answers};
+use crate::storage::files;
 use crate::storage::names::KEPT_BACK;
 use hallsweep_core::world::luggage::Judgement;
 
@@ -15,7 +16,8 @@ pub(super) fn write(folder: &Folder, answers: &[Judgement]) -> Result<(), Fault>
     if file.path().is_dir() {
         return Err(Fault::Unusable(KEPT_BACK, "it is a folder".to_owned()));
     }
-    Ok(file.make(written_answers(answers).as_bytes())?)
+    file.make(written_answers(answers).as_bytes())?;
+    Ok(files::sync_folder(folder.path())?)
 }
 
 /// Reads the answers. If the file cannot be read, nobody has answered, so both judges are asked again.
