@@ -71,7 +71,7 @@ pub struct ProgressJson {
     /// Number of open places: unknown cells beside visited cells, and obstacles still to be inspected.
     pub unknown: usize,
     /// Number of open places inside keep-out rings, which are not in `unknown`; absent if there are no such places.
-    #[serde(skip_serializing_if = "is_none")]
+    #[serde(skip_serializing_if = "is_zero")]
     pub kept_out: usize,
     /// 100 when no place is open any more. Null until then, because the size of the hall is not known yet.
     pub percent: Option<u8>,
@@ -155,7 +155,7 @@ fn rings(keep_out: &KeepOut) -> Vec<RingJson> {
 }
 
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
-const fn is_none(count: &usize) -> bool {
+const fn is_zero(count: &usize) -> bool {
     *count == 0
 }
 
