@@ -4,7 +4,7 @@
 #![no_main]
 
 use hallsweep_core::state::PersistentState;
-use hallsweep_fuzz::api::journal::{Line, Unparsed, body, line, read_body, read_line, read_record, record};
+use hallsweep_fuzz::api::journal::{Line, Unparsed, body, line, read_answers, read_body, read_line, read_record, record, written_answers};
 use hallsweep_fuzz::core::command::Strategy;
 use hallsweep_fuzz::core::engine::{Engine, Recalled};
 use hallsweep_fuzz::core::settings::Settings;
@@ -17,6 +17,7 @@ const LAST: Seq = Seq(i64::MAX as u64);
 fuzz_target!(|bytes: &[u8]| {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     same(text, read_record, record);
+    same(text, read_answers, |answers| written_answers(answers));
     same(text, read_body, |(fact, picture)| body(fact, picture.as_ref()));
     if let Ok(read) = read_line(text.as_bytes()) {
         // Sentences lose some precision, so the printed lines are compared instead of the entries.
@@ -25,7 +26,7 @@ fuzz_target!(|bytes: &[u8]| {
         let Line { entry, seq, .. } = read;
         let mut state = PersistentState::first(Strategy::default());
         state.apply(&entry);
-        let recalled = Recalled { state, written: seq.min(LAST), commands: vec![entry], latest: Vec::new() };
+        let recalled = Recalled { state, written: seq.min(LAST), commands: vec![entry], kept_back: Vec::new(), latest: Vec::new() };
         Engine::recall(Settings::default(), "fuzzed".into(), recalled, Now::default()).snapshot();
     }
 });
