@@ -24,7 +24,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
             decided(connection, *luggage, &decision)
         }
         Fact::Judged(judgement) => {
-            // After a kill an answer may be recorded twice.
+            // An answer is listed once, even if the journal has it twice.
             let sql = "UPDATE luggage SET record = json_insert(record, '$.judged[#]', json(?2)) WHERE id = ?1
                        AND NOT EXISTS (SELECT 1 FROM json_each(record, '$.judged') WHERE json(value) = json(?2))";
             run(connection, sql, params![whole(judgement.luggage.0)?, journal::written_judgement(judgement)])

@@ -1,2 +1,2 @@
 -- No table changes. From this format on there are entries that an older program does not know: the answers of judges that
--- were kept back, the command GO ON, and the rules of the team. Entries of before stay as they are.
+-- were kept back, the command GO ON, and the rules of the team. Earlier entries stay as they are.

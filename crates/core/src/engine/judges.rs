@@ -1,5 +1,5 @@
 //! Verdicts of safe by two judges. The answer of the first judge is kept back: it is stored apart from the journal, and
-//! nothing that can be seen changes. It becomes public in the same page as the verdict, so nobody else can know before
+//! nothing that can be seen changes. It becomes public in the same page as the verdict. Until then, nobody else can know
 //! that anybody has answered. A danger never waits.
 
 use std::mem;
@@ -61,8 +61,7 @@ pub fn tells_of_verdict(text: &str) -> bool {
 }
 
 impl Engine {
-    /// Whether a judge other than this sender has answered about the present photo of the piece, with everything that
-    /// an answer needs. Senders without a key have the same name, so they count as one judge.
+    /// Whether the answer of another judge counts. Different persons with one key are one judge.
     pub(super) fn is_second_judge(&self, context: &InputContext) -> bool {
         let own = context.issuer.as_ref().map(|issuer| issuer.key());
         self.counted(context.luggage).any(|judgement| Some(judgement.issuer.key()) != own)
@@ -74,6 +73,7 @@ impl Engine {
         self.counted(context.luggage).any(|judgement| Some(judgement.issuer.key()) == own)
     }
 
+    /// The answers that count: about the present photo, and complete if the rules ask for that.
     fn counted(&self, luggage: Option<LuggageId>) -> impl Iterator<Item = &Judgement> {
         let taken = luggage.and_then(|id| self.state.luggage.get(id)).map(|piece| piece.taken);
         let needs_hot = self.settings.rules.hot == HotRule::Required;
@@ -81,7 +81,7 @@ impl Engine {
         self.judges.about(luggage).map(|answer| &answer.judgement).filter(counts)
     }
 
-    /// Keeps the answer of a first judge back. It replaces an earlier answer of the same judge, unless it is equal.
+    /// Keeps the answer of a first judge back. It replaces an earlier answer of the same judge, unless it adds nothing.
     pub(super) fn keep_back(&mut self, context: &InputContext) {
         let (Some(luggage), Some(verdict), Some(issuer)) = (context.luggage, context.verdict, &context.issuer) else { return };
         let Some(taken) = self.state.luggage.get(luggage).map(|piece| piece.taken) else { return };
@@ -223,6 +223,7 @@ impl Engine {
         tells && self.settings.rules.safe_by == SafeBy::Two && self.state.luggage.pending().next().is_some()
     }
 
+    /// Whether this verdict needs two judges.
     pub(super) fn is_for_two(&self, verdict: Option<Verdict>) -> bool {
         self.settings.rules.safe_by == SafeBy::Two && verdict == Some(Verdict::Safe)
     }
