@@ -50,6 +50,28 @@ async function pressesOnChange(page) {
   });
 }
 
+/** Presses a key. If the page says that it sent nothing, presses again, as a person does, and prints the reason. */
+async function pressUntil({ page, key, isDone, patience }) {
+  const reason = page.locator('#why-verdict');
+  // A page that has heard nothing for some seconds offers no button until it is told what holds.
+  await until(() => safe(page).isEnabled(), 'SAFE on offer', patience);
+  await page.keyboard.press(key);
+  let presses = 1;
+  await until(async () => {
+    if (await isDone()) return true;
+    const said = await reason.innerText();
+    if (said) {
+      must(presses < 4, `${key} was pressed ${presses} times, and the page still says: ${said}`);
+      console.log(`${key} did nothing, because: ${said}`);
+      await look(page);
+      if (await isDone()) return true;
+      presses += 1;
+      await page.keyboard.press(key);
+    }
+    return false;
+  }, `what ${key} does`, patience);
+}
+
 async function giveBoth({ page, url, picture, patience }) {
   await page.goto(url);
   await start(page).click();
@@ -93,8 +115,7 @@ async function giveBoth({ page, url, picture, patience }) {
 
   await pressesOnChange(page);
   await photo.focus();
-  await page.keyboard.press('s');
-  await until(async () => (await record(url, first)).verdict === 'safe', 'S giving the verdict safe', patience);
+  await pressUntil({ page, key: 's', isDone: async () => (await record(url, first)).verdict === 'safe', patience });
   must((await record(url, first)).decided.note === 'sad <b>bag</b>?', `noted: ${(await record(url, first)).decided.note}`);
 
   const second = await asked(page, patience, first);
