@@ -250,7 +250,8 @@ const sending = new Set();
 
 /** Sends a form; a refusal is written beside the button that was pressed. */
 async function send(form, fields, button) {
-  const { action, dataset: { why } } = form;
+  const action = button?.getAttribute("formaction") ?? form.action;
+  const { why } = form.dataset;
   const what = `${action} ${fields.get("id") ?? ""}`;
   if (sending.has(what)) return;
   sending.add(what);

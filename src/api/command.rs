@@ -63,11 +63,11 @@ pub struct GotoBody {
     epoch: Option<u64>,
 }
 
-/// Verdict on a piece, as `{"verdict":"safe"}` or `{"verdict":"safe","note":"a lunch box"}`.
+/// Answer about a piece, as `{"verdict":"safe"}`, `{"verdict":"danger","note":"wires"}` or `{"verdict":"unsure"}`.
 #[derive(Clone, Debug, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct VerdictBody {
-    #[schemars(with = "vocabulary::VerdictWord")]
+    #[schemars(with = "vocabulary::AnswerWord")]
     verdict: String,
     /// Remark on the piece, in one line of visible characters.
     #[schemars(length(max = Note::MOST), regex(pattern = VISIBLE))]
@@ -238,15 +238,16 @@ impl VerdictBody {
             obvious: answer("obvious", &self.obvious)?,
             typical: answer("typical", &self.typical)?,
         };
-        Ok(Command::Verdict { luggage, verdict: self.verdict()?, note, hot })
-    }
-
-    fn verdict(&self) -> Result<Verdict, Unusable> {
-        match self.verdict.as_str() {
-            "safe" => Ok(Verdict::Safe),
-            "danger" => Ok(Verdict::Danger),
-            other => Err(Unusable(format!("{:?} is no verdict: verdict is \"safe\" or \"danger\"", in_short(other)))),
-        }
+        let verdict = match self.verdict.as_str() {
+            "safe" => Verdict::Safe,
+            "danger" => Verdict::Danger,
+            "unsure" => return Ok(Command::Unsure { luggage, note, hot }),
+            other => {
+                let other = in_short(other);
+                return Err(Unusable(format!("{other:?} is no verdict: verdict is \"safe\", \"danger\" or \"unsure\"")));
+            }
+        };
+        Ok(Command::Verdict { luggage, verdict, note, hot })
     }
 }
 
@@ -384,7 +385,9 @@ mod tests {
         let mut fields = super::super::fields::fields(br#"{"luggage":3,"verdict":"safe","id":"k7"}"#).unwrap();
         assert_eq!(id_aside(&mut fields).unwrap(), CommandId::new("k7"));
         assert_eq!(number_aside(&mut fields, "luggage", "{\"luggage\":3}"), Ok(3));
-        assert_eq!(fields.read::<VerdictBody>().unwrap().verdict(), Ok(Verdict::Safe));
+        let luggage = LuggageRef::Pending;
+        let safe = Command::Verdict { luggage, verdict: Verdict::Safe, note: None, hot: Hot::NONE };
+        assert_eq!(fields.read::<VerdictBody>().unwrap().command(luggage), Ok(safe));
         let missing = number_aside(&mut fields, "alarm", "{\"alarm\":2}").unwrap_err();
         assert_eq!(missing.to_string(), "`alarm` is missing: send {\"alarm\":2}");
     }

@@ -8,7 +8,7 @@ use super::time::rfc3339;
 use super::vocabulary;
 use hallsweep_core::command::{Hot, HotAnswer};
 use hallsweep_core::units::LuggageId;
-use hallsweep_core::world::luggage::{Decision, Judgement, Luggage, PhotoState};
+use hallsweep_core::world::luggage::{Decision, Doubt, Judgement, Luggage, PhotoState};
 
 /// Record of a piece of luggage.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
@@ -31,6 +31,9 @@ pub struct LuggageJson {
     pub photo: PhotoJson,
     /// Decision on the piece; null while the verdict is pending.
     pub decided: Option<DecisionJson>,
+    /// Answers of judges who were unsure, the latest last; absent if there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub unsure: Vec<DecisionJson>,
     /// Answers of other judges, which were kept back until the verdict; absent if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub judged: Vec<JudgementJson>,
@@ -54,7 +57,7 @@ pub struct PhotoJson {
     pub reason: Option<String>,
 }
 
-/// Decision on a piece: sender, time and note.
+/// Answer about a piece: sender, time and note.
 #[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
 pub struct DecisionJson {
     /// Name of the key. If a person gave a name when signing in, this name follows in brackets, as `operator (Anna)`.
@@ -119,6 +122,7 @@ impl From<&Luggage> for LuggageJson {
             taken: rfc3339(luggage.taken),
             photo: photo(luggage),
             decided: luggage.verdict.as_ref().map(DecisionJson::from),
+            unsure: luggage.unsure.iter().map(DecisionJson::from).collect(),
             judged: luggage.judged.iter().map(JudgementJson::from).collect(),
             secured: luggage.secured.map(rfc3339),
         }
@@ -129,6 +133,13 @@ impl From<&Decision> for DecisionJson {
     fn from(decision: &Decision) -> DecisionJson {
         let note = decision.note.as_ref().map(|note| note.text().to_owned());
         DecisionJson { by: decision.who.to_string(), at: rfc3339(decision.wall), note, hot: decision.hot.into() }
+    }
+}
+
+impl From<&Doubt> for DecisionJson {
+    fn from(doubt: &Doubt) -> DecisionJson {
+        let note = doubt.note.as_ref().map(|note| note.text().to_owned());
+        DecisionJson { by: doubt.who.to_string(), at: rfc3339(doubt.wall), note, hot: doubt.hot.into() }
     }
 }
 

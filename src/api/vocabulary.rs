@@ -50,6 +50,8 @@ lists! {
     Verdict = ["pending", "safe", "danger"];
     /// Verdict that an operator can give on a piece of luggage.
     VerdictWord = [command::Verdict::Safe, command::Verdict::Danger].map(command::Verdict::name);
+    /// Answer of an operator about a piece of luggage. After `unsure`, the piece is photographed from other sides.
+    AnswerWord = ["safe", "danger", "unsure"];
     /// Answer to one of the three questions about a piece of luggage.
     HotAnswer = command::HotAnswer::ALL.map(command::HotAnswer::name);
     /// Whether a photo was taken or failed.

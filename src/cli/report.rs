@@ -176,6 +176,8 @@ mod tests {
             first_taken: WallTime::default(),
             photo: PhotoState::Failed("dark".to_owned()),
             verdict: None,
+            seen_from: Vec::new(),
+            unsure: Vec::new(),
             judged: Vec::new(),
             piece: None,
             secured: None,

@@ -54,6 +54,7 @@ const EVACUATION_M: SettingKind = SettingKind::Number { least: 1.0, most: 5000.0
 const KEEP_OUT_M: SettingKind = SettingKind::Number { least: 0.0, most: Rules::WIDEST_M };
 
 /// A number of judges.
+const VIEWS: SettingKind = SettingKind::Number { least: 0.0, most: Rules::MOST_VIEWS as f64 };
 const SAFE_BY: SettingKind = SettingKind::Number { least: 1.0, most: 2.0 };
 
 /// Degrees Celsius, within the bounds that the core accepts.
@@ -97,7 +98,7 @@ pub(super) const ROBOTS: &str = "robots";
 pub(super) const ROBOT: &str = "robot";
 
 /// Every setting, in the order of `config/default.toml`.
-pub const KEYS: [Key; 54] = [
+pub const KEYS: [Key; 55] = [
     text("hall.file", "name a built-in hall, such as airport, or the path of a hall file (.toml, .map, .yaml or .txt)")
         .set_by("--hall"),
     text("hall.start", "write column and row, counted from 0 in the north-west corner, such as 3,0; or leave it empty")
@@ -162,6 +163,7 @@ pub const KEYS: [Key; 54] = [
     key("mission.keep_out_m", KEEP_OUT_M, "write a number of metres from 0 to 50, such as 2; 0 means no ring"),
     key("mission.safe_by", SAFE_BY, "write the number of judges that a verdict of safe needs, from 1 to 2"),
     text("mission.hot", "write optional or required"),
+    key("mission.unsure_views", VIEWS, "write the most further photos when a judge is unsure, from 0 to 2"),
     yes_no("mission.inspect_everything"),
     yes_no("mission.wall_lines"),
     key("temperature.threshold_celsius", CELSIUS, "write degrees Celsius from -60 to 1000, such as 25.0"),
@@ -292,7 +294,7 @@ mod tests {
     fn an_unknown_name_is_answered_with_those_that_are_near() {
         assert_eq!(
             Key::advice_for_unknown("mission.order"),
-            "[mission] has the settings mission.strategy, mission.goal, mission.sensing, mission.costs, mission.retrieval, mission.after_danger, mission.keep_out_m, mission.safe_by, mission.hot, mission.inspect_everything, mission.wall_lines"
+            "[mission] has the settings mission.strategy, mission.goal, mission.sensing, mission.costs, mission.retrieval, mission.after_danger, mission.keep_out_m, mission.safe_by, mission.hot, mission.unsure_views, mission.inspect_everything, mission.wall_lines"
         );
         assert!(
             Key::advice_for_unknown("htpp.bind")

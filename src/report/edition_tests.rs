@@ -173,6 +173,8 @@ fn large_hall() -> Vec<Entry> {
             first_taken: taken,
             photo,
             verdict: None,
+            seen_from: Vec::new(),
+            unsure: Vec::new(),
             judged: Vec::new(),
             piece: None,
             secured: None,

@@ -57,7 +57,13 @@ fn row(language: Language, seq: Seq, entry: Result<&Entry, &Unreadable>) -> [Str
 }
 
 fn who(fact: &Fact) -> String {
-    if let Fact::Verdict { who, .. } | Fact::AlarmAcknowledged(_, who) = fact { who.to_string() } else { String::new() }
+    if let Fact::Verdict { who, .. } | Fact::Unsure { who, .. } | Fact::AlarmAcknowledged(_, who) = fact {
+        who.to_string()
+    } else if let Fact::Judged(judgement) = fact {
+        judgement.issuer.who.to_string()
+    } else {
+        String::new()
+    }
 }
 
 fn io_error(error: csv::Error) -> Failure {

@@ -271,6 +271,8 @@ fn piece(id: u64, bytes: usize) -> Entry {
         first_taken: WallTime::default(),
         photo: PhotoState::Taken { bytes, take: 1 },
         verdict: None,
+        seen_from: Vec::new(),
+        unsure: Vec::new(),
         judged: Vec::new(),
         piece: None,
         secured: None,

@@ -1,4 +1,4 @@
-// Two people judge: what the first answers stays hidden from the second, each on a page in another language. After a
+// Two people judge: one is unsure at first. What the first answers stays hidden from the second, each on a page in another language. After a
 // danger the search goes on, and both bombs are fetched, the second one first.
 
 import { appears, button, fits, look, must, numberOf, phase, photoIsShown, safe, start, until } from './person.mjs';
@@ -20,10 +20,25 @@ const judges = {
     const state = async () => (await page.request.get(`${url}/api/v1/state`)).json();
     const record = async (id) => (await page.request.get(`${url}/api/v1/luggage/${id}`)).json();
 
-    // Safe by two. The first judge also answers the three questions, by keys.
+    // One judge cannot tell from the photo, and says so by a key. The robot goes round the piece, and asks again.
     await start(page).click();
     await appears(page, safe(page), waiting);
     const first = await numberOf(safe(page));
+    await look(other);
+    await until(() => button(other, new RegExp(`INCERTO: riguardare #${first}`)).isEnabled(), 'INCERTO on offer', patience);
+    await other.getByRole('textbox', { name: /Nota/ }).fill('un’ombra');
+    await other.locator('#inspect a.photo').focus();
+    await other.keyboard.press('i');
+    await until(async () => (await record(first)).photo.take === 3, 'two further photos', patience);
+    const [doubt] = (await record(first)).unsure;
+    must(doubt.by === 'second' && doubt.note === 'un’ombra', `unsure: ${JSON.stringify(doubt)}`);
+    await page.locator('#inspect').getByText(`unsure about luggage #${first}, by second (note: un’ombra)`).waitFor();
+    await page.locator('#inspect').getByText('another person judges now').waitFor();
+    must(await page.locator('#inspect .takes li').count() === 2, 'the earlier photos are not beside the latest');
+    await picture('unsure');
+    await picture('unsure-in-italian', other);
+
+    // Safe by two. The first judge also answers the three questions, by keys.
     await photoIsShown(page, first);
     await look(page);
     for (const key of ['1', '1', '3']) await page.keyboard.press(key);
@@ -87,7 +102,7 @@ const judges = {
     await picture('both-fetched');
     must(!(await state()).mission.keepOut, 'a ring is left');
     const report = await (await page.request.get(`${url}/missions/1/report`)).text();
-    must(/answer kept back until now/.test(report) && /hidden: no/.test(report), `the report says nothing of the judges: ${report}`);
+    must(/answer kept back until now/.test(report) && /hidden: no/.test(report) && /unsure about luggage/.test(report), `the report says nothing of the judges: ${report}`);
     await context.close();
   },
 };

@@ -34,6 +34,7 @@ mod rules_record;
 mod rules_restart;
 mod rules_stops;
 mod rules_store;
+mod rules_unsure;
 mod seeds_early;
 mod seeds_luggage;
 mod seeds_suspensions;

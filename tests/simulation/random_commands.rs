@@ -66,7 +66,8 @@ pub(crate) fn any_command(dice: &mut RandomStream, run: &mut Run) -> Command {
         11 => Command::Temperature(TemperatureReport::Reading(Celsius::new(20.0 + 8.0 * dice.fraction()).unwrap())),
         12 => Command::Move(moves[dice.below(5) as usize]),
         13 => Command::Goto(Cell::new(dice.below(12) as i32 - 2, dice.below(12) as i32 - 2)),
-        14 => Command::RetakePhoto(LuggageId(pending)),
+        14 if dice.below(2) == 0 => Command::RetakePhoto(LuggageId(pending)),
+        14 => Command::Unsure { luggage: LuggageRef::Id(LuggageId(pending)), note: None, hot: Default::default() },
         _ => match dice.below(4) {
             0 => Command::Reset,
             1 => Command::Acknowledge(AlarmId(1)),

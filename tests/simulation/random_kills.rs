@@ -82,7 +82,8 @@ fn any_command(dice: &mut RandomStream, pending: u64) -> Command {
         8 | 9 => Command::Verdict { luggage: LuggageRef::Id(LuggageId(pending)), verdict, note: None, hot: Default::default() },
         10 => Command::Temperature(if dice.below(2) == 0 { TemperatureReport::TooHigh } else { TemperatureReport::Ok }),
         11 => Command::Goto(Cell::new(dice.below(10) as i32, dice.below(10) as i32)),
-        12 => Command::RetakePhoto(LuggageId(pending)),
+        12 if dice.below(2) == 0 => Command::RetakePhoto(LuggageId(pending)),
+        12 => Command::Unsure { luggage: LuggageRef::Id(LuggageId(pending)), note: None, hot: Default::default() },
         _ => {
             if dice.below(2) == 0 {
                 Command::Reset

@@ -288,12 +288,13 @@ impl Mission {
     /// Gives a command that is impossible during a retrieval.
     fn wrong_command(&mut self, tally: &mut Tally) {
         tally.refused += 1;
-        let command = match self.dice.below(6) {
+        let command = match self.dice.below(7) {
             0 => Command::BackHome,
             1 => Command::Goto(Cell::HOME),
             2 => Command::Move(Move::Forward),
             3 => Command::Retrieve(None),
             4 => Command::RetakePhoto(LuggageId(1)),
+            5 => Command::Unsure { luggage: LuggageRef::Pending, note: None, hot: Default::default() },
             _ => Command::Reset,
         };
         self.must_not(command);

@@ -26,6 +26,7 @@ const ONE: Rules = Rules {
     keep_out_m: 0.0,
     safe_by: SafeBy::One,
     hot: HotRule::Optional,
+    unsure_views: Rules::MOST_VIEWS,
 };
 
 const DOORS: [&str; 3] = ["http", "mqtt", "console"];

@@ -42,18 +42,30 @@ named! {
 }
 
 /// The rules of the team that searches. They are recorded, because they may change between missions.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rules {
     pub after_danger: AfterDanger,
     /// The radius of the keep-out ring round each located bomb, in metres. If 0, there are no rings.
     pub keep_out_m: f64,
     pub safe_by: SafeBy,
     pub hot: HotRule,
+    /// Maximum number of further photos that the robot takes from other places when a judge is unsure.
+    pub unsure_views: u8,
+}
+
+impl Default for Rules {
+    fn default() -> Rules {
+        let (after_danger, safe_by, hot) = Default::default();
+        Rules { after_danger, keep_out_m: 0.0, safe_by, hot, unsure_views: Rules::MOST_VIEWS }
+    }
 }
 
 impl Rules {
     /// Widest keep-out ring, in metres. It bounds the work for each bomb.
     pub const WIDEST_M: f64 = 50.0;
+
+    /// Most further photos for each unsure answer: one from another side, and one from two cells off.
+    pub const MOST_VIEWS: u8 = 2;
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]

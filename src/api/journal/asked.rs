@@ -10,7 +10,7 @@ use super::names::{self, Step};
 use super::places::Point;
 use super::{Unparsed, earlier};
 use hallsweep_core::asked::Asked;
-use hallsweep_core::command::{Carries, Command, Hot, LuggageRef, TemperatureReport};
+use hallsweep_core::command::{Carries, Command, Hot, LuggageRef, Note, TemperatureReport};
 use hallsweep_core::simulated::{Change, Simulated};
 use hallsweep_core::speed::Speed;
 use hallsweep_core::units::{AlarmId, LuggageId};
@@ -68,16 +68,11 @@ fn of_command(command: &Command) -> Coded {
         Carries::Move(step) => Coded::new(code, json!({ "step": Step::from(step) })),
         Carries::Cell(cell) => Coded::new(code, json!({ "cell": Point::from(cell) })),
         Carries::Verdict(luggage, verdict, note, hot) => {
-            let luggage = if let LuggageRef::Id(id) = luggage { Some(id.0) } else { None };
-            let note = note.map(|note| note.text());
-            let mut fields = json!({ "luggage": luggage, "verdict": verdict.name(), "note": note });
-            for (question, answer) in hot.answers() {
-                if let Some(answer) = answer {
-                    fields[question] = answer.name().into();
-                }
-            }
+            let mut fields = answer(luggage, note, hot);
+            fields["verdict"] = verdict.name().into();
             Coded::new(code, fields)
         }
+        Carries::Unsure(luggage, note, hot) => Coded::new(code, answer(luggage, note, hot)),
         Carries::Strategy(strategy) => Coded::new(code, json!({ "strategy": strategy.name() })),
         Carries::Temperature(TemperatureReport::Ok) => Coded::bare("temperatureOk"),
         Carries::Temperature(TemperatureReport::TooHigh) => Coded::bare("temperatureTooHigh"),
@@ -90,9 +85,27 @@ fn of_command(command: &Command) -> Coded {
     }
 }
 
+fn answer(luggage: LuggageRef, note: Option<&Note>, hot: Hot) -> Value {
+    let luggage = if let LuggageRef::Id(id) = luggage { Some(id.0) } else { None };
+    let mut fields = json!({ "luggage": luggage, "note": note.map(|note| note.text()) });
+    for (question, answer) in hot.answers() {
+        if let Some(answer) = answer {
+            fields[question] = answer.name().into();
+        }
+    }
+    fields
+}
+
 fn command(coded: &Coded) -> Result<Command, Unparsed> {
     let celsius = || names::celsius(coded.field("celsius")?);
     let hot_answer = |question| coded.field::<Option<String>>(question)?.map(|answer| names::hot_answer(&answer)).transpose();
+    let luggage = || {
+        let id = coded.field::<Option<u64>>("luggage")?;
+        Ok::<_, Unparsed>(id.map_or(LuggageRef::Pending, |id| LuggageRef::Id(LuggageId(id))))
+    };
+    let hot = || {
+        Ok::<_, Unparsed>(Hot { hidden: hot_answer("hidden")?, obvious: hot_answer("obvious")?, typical: hot_answer("typical")? })
+    };
     if let Some(bare) = Command::BARE.into_iter().find(|bare| bare.code() == coded.code) {
         return Ok(bare);
     }
@@ -101,11 +114,12 @@ fn command(coded: &Coded) -> Result<Command, Unparsed> {
         "move" => Command::Move(coded.field::<Step>("step")?.into()),
         "goto" => Command::Goto(coded.field::<Point>("cell")?.into()),
         "verdict" => Command::Verdict {
-            luggage: coded.field::<Option<u64>>("luggage")?.map_or(LuggageRef::Pending, |id| LuggageRef::Id(LuggageId(id))),
+            luggage: luggage()?,
             verdict: names::verdict(&coded.field::<String>("verdict")?)?,
             note: names::note(coded.field("note")?)?,
-            hot: Hot { hidden: hot_answer("hidden")?, obvious: hot_answer("obvious")?, typical: hot_answer("typical")? },
+            hot: hot()?,
         },
+        "unsure" => Command::Unsure { luggage: luggage()?, note: names::note(coded.field("note")?)?, hot: hot()? },
         "retake" => Command::RetakePhoto(LuggageId(coded.field("luggage")?)),
         "acknowledge" => Command::Acknowledge(AlarmId(coded.field("alarm")?)),
         "strategy" => Command::ChooseStrategy(names::strategy(&coded.field::<String>("strategy")?)?),

@@ -55,6 +55,9 @@ pub struct ConditionsShape {
     /// Whether the three questions are compulsory: `required`; absent if they are not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     hot: Option<String>,
+    /// Number of further photos when a judge is unsure; absent if there are two.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    unsure_views: Option<u8>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -83,6 +86,7 @@ impl From<&Conditions> for ConditionsShape {
             keep_out_m: Some(rules.keep_out_m).filter(|metres| *metres != usual.keep_out_m),
             safe_by: (rules.safe_by != usual.safe_by).then(|| rules.safe_by.name().to_owned()),
             hot: (rules.hot != usual.hot).then(|| rules.hot.name().to_owned()),
+            unsure_views: Some(rules.unsure_views).filter(|views| *views != usual.unsure_views),
         }
     }
 }
@@ -101,8 +105,7 @@ impl From<ParticipantShape> for Participant {
 
 impl ConditionsShape {
     pub(super) fn conditions(self) -> Result<Conditions, Unparsed> {
-        let ConditionsShape { hall, cell_m, threshold, reckoned, reach, robots, seed, after_danger, keep_out_m, safe_by, hot } =
-            self;
+        let ConditionsShape { hall, cell_m, threshold, reckoned, reach, robots, seed, .. } = self;
         let reach = reach.map(|(reachable, free)| Reach { reachable, free });
         if cell_m.is_some_and(|side| !SIDES_M.contains(&side)) {
             return Err(Unparsed("the side of a cell is out of range".to_owned()));
@@ -115,11 +118,15 @@ impl ConditionsShape {
         }
         let seed = seed.map(|digits| digits.parse().map_err(|_| Unparsed("the seed is not a number".to_owned()))).transpose()?;
         let rules = Rules {
-            after_danger: rule(after_danger, &AfterDanger::ALL, AfterDanger::name)?,
-            keep_out_m: keep_out_m.unwrap_or(0.0),
-            safe_by: rule(safe_by, &SafeBy::ALL, SafeBy::name)?,
-            hot: rule(hot, &HotRule::ALL, HotRule::name)?,
+            after_danger: rule(self.after_danger, &AfterDanger::ALL, AfterDanger::name)?,
+            keep_out_m: self.keep_out_m.unwrap_or(0.0),
+            safe_by: rule(self.safe_by, &SafeBy::ALL, SafeBy::name)?,
+            hot: rule(self.hot, &HotRule::ALL, HotRule::name)?,
+            unsure_views: self.unsure_views.unwrap_or(Rules::MOST_VIEWS),
         };
+        if rules.unsure_views > Rules::MOST_VIEWS {
+            return Err(Unparsed("there are too many further photos".to_owned()));
+        }
         if !RINGS_M.contains(&rules.keep_out_m) {
             return Err(Unparsed("the radius of the keep-out rings is out of range".to_owned()));
         }

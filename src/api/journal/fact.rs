@@ -125,6 +125,15 @@ pub(super) enum Shape {
         #[serde(flatten)]
         hot: HotShape,
     },
+    /// A judge could not tell from the photo.
+    Unsure {
+        luggage: u64,
+        who: String,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        note: Option<String>,
+        #[serde(flatten)]
+        hot: HotShape,
+    },
     /// The answer of another judge, which was kept back until this entry.
     Judged(JudgementShape),
     Temperature {
@@ -192,6 +201,7 @@ pub const fn kind(fact: &Fact) -> &'static str {
         Fact::Mark(..) => "mark",
         Fact::Luggage { .. } => "luggage",
         Fact::Verdict { .. } => "verdict",
+        Fact::Unsure { .. } => "unsure",
         Fact::Judged(_) => "judged",
         Fact::Temperature(..) => "temperature",
         Fact::ThermometerSilent(_) => "thermometerSilent",
@@ -249,6 +259,12 @@ impl Shape {
             Fact::Obstacle(Cell { x, y }, taken_for) => Shape::Obstacle { x: *x, y: *y, taken_for: (*taken_for).to_owned() },
             Fact::Mark(Cell { x, y }, mark) => Shape::Mark { x: *x, y: *y, mark: mark.name().to_owned() },
             Fact::Luggage { record, .. } => Shape::Luggage { luggage: (&**record).into(), picture: picture.cloned() },
+            Fact::Unsure { luggage, who, note, hot } => Shape::Unsure {
+                luggage: luggage.0,
+                who: who.to_string(),
+                note: note.as_ref().map(|note| note.text().to_owned()),
+                hot: (*hot).into(),
+            },
             Fact::Judged(judgement) => Shape::Judged((&**judgement).into()),
             Fact::Verdict { luggage, verdict, who, note, hot } => Shape::Verdict {
                 luggage: luggage.0,
@@ -309,6 +325,9 @@ impl Shape {
             Shape::Led { blinking } => Fact::Led(blinking),
             Shape::Obstacle { x, y, taken_for } => Fact::Obstacle(Cell::new(x, y), names::taken_for(&taken_for)?),
             Shape::Mark { x, y, mark } => Fact::Mark(Cell::new(x, y), map::named(&mark)?),
+            Shape::Unsure { luggage, who, note, hot } => {
+                Fact::Unsure { luggage: LuggageId(luggage), who: who.into(), note: names::note(note)?, hot: hot.hot()? }
+            }
             Shape::Judged(judgement) => Fact::Judged(Box::new(judgement.judgement()?)),
             Shape::Verdict { luggage, verdict, who, note, hot } => Fact::Verdict {
                 luggage: LuggageId(luggage),

@@ -11,7 +11,7 @@ use super::{Unparsed, names, written};
 use hallsweep_core::command::{Hot, Issuer};
 use hallsweep_core::units::{AlarmId, LuggageId, Piece};
 use hallsweep_core::world::alarm::Alarm;
-use hallsweep_core::world::luggage::{Decision, Judgement, Luggage, PhotoState};
+use hallsweep_core::world::luggage::{Decision, Doubt, Judgement, Luggage, PhotoState};
 
 #[derive(Serialize, Deserialize)]
 pub(super) struct LuggageShape {
@@ -23,7 +23,13 @@ pub(super) struct LuggageShape {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     first_taken: Option<Moment>,
     photo: PhotoShape,
+    /// Where the robot took earlier photos.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    seen_from: Vec<PoseShape>,
     verdict: Option<DecisionShape>,
+    /// Answers of judges who were unsure.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    unsure: Vec<DoubtShape>,
     /// Answers of other judges, which were kept back until the verdict.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     judged: Vec<JudgementShape>,
@@ -50,6 +56,16 @@ enum PhotoShape {
 #[derive(Serialize, Deserialize)]
 struct DecisionShape {
     verdict: String,
+    who: String,
+    when: Moment,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    note: Option<String>,
+    #[serde(flatten)]
+    hot: HotShape,
+}
+
+#[derive(Serialize, Deserialize)]
+struct DoubtShape {
     who: String,
     when: Moment,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -116,7 +132,9 @@ impl From<&Luggage> for LuggageShape {
                 PhotoState::Taken { bytes, take } => PhotoShape::Taken { bytes: *bytes, take: *take },
                 PhotoState::Failed(words) => PhotoShape::Failed(words.clone()),
             },
+            seen_from: luggage.seen_from.iter().copied().map(PoseShape::from).collect(),
             verdict: luggage.verdict.as_ref().map(DecisionShape::from),
+            unsure: luggage.unsure.iter().map(DoubtShape::from).collect(),
             judged: luggage.judged.iter().map(JudgementShape::from).collect(),
             piece: luggage.piece.map(|piece| piece.0),
             secured: luggage.secured.map(Moment::from),
@@ -138,7 +156,9 @@ impl LuggageShape {
                 PhotoShape::Taken { bytes, take } => PhotoState::Taken { bytes, take },
                 PhotoShape::Failed(words) => PhotoState::Failed(words),
             },
+            seen_from: self.seen_from.into_iter().map(|pose| pose.pose()).collect::<Result<_, _>>()?,
             verdict: self.verdict.map(DecisionShape::decision).transpose()?,
+            unsure: self.unsure.into_iter().map(DoubtShape::doubt).collect::<Result<_, _>>()?,
             judged: self.judged.into_iter().map(JudgementShape::judgement).collect::<Result<_, _>>()?,
             piece: self.piece.map(Piece),
             secured: self.secured.map(Into::into),
@@ -159,6 +179,19 @@ impl DecisionShape {
     fn decision(self) -> Result<Decision, Unparsed> {
         let (verdict, note) = (names::verdict(&self.verdict)?, names::note(self.note)?);
         Ok(Decision { verdict, who: self.who.into(), wall: self.when.into(), note, hot: self.hot.hot()? })
+    }
+}
+
+impl From<&Doubt> for DoubtShape {
+    fn from(Doubt { who, wall, note, hot }: &Doubt) -> DoubtShape {
+        let note = note.as_ref().map(|note| note.text().to_owned());
+        DoubtShape { who: who.to_string(), when: (*wall).into(), note, hot: (*hot).into() }
+    }
+}
+
+impl DoubtShape {
+    fn doubt(self) -> Result<Doubt, Unparsed> {
+        Ok(Doubt { who: self.who.into(), wall: self.when.into(), note: names::note(self.note)?, hot: self.hot.hot()? })
     }
 }
 
@@ -212,6 +245,10 @@ impl JudgementShape {
 
 pub fn written_decision(decision: &Decision) -> String {
     written(&DecisionShape::from(decision))
+}
+
+pub fn written_doubt(doubt: &Doubt) -> String {
+    written(&DoubtShape::from(doubt))
 }
 
 pub fn written_judgement(judgement: &Judgement) -> String {

@@ -31,7 +31,7 @@ pub(crate) mod tests;
 
 pub use conditions::ConditionsShape;
 pub use fact::kind;
-pub use luggage::{read_answers, written_answers, written_decision, written_judgement};
+pub use luggage::{read_answers, written_answers, written_decision, written_doubt, written_judgement};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -34,6 +34,14 @@ pub(super) struct InspectionShape {
     piece: Option<u32>,
     pose: PoseShape,
     stage: StageShape,
+    /// Number of further photos from other places, for a judge who was unsure.
+    #[serde(default, skip_serializing_if = "is_none_left")]
+    views: u8,
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it so")]
+const fn is_none_left(views: &u8) -> bool {
+    *views == 0
 }
 
 #[derive(Serialize, Deserialize)]
@@ -44,6 +52,7 @@ enum StageShape {
     Recording(u64),
     AwaitingVerdict(u64),
     RetakingPhoto(u64),
+    Viewing(u64),
 }
 
 #[derive(Serialize, Deserialize)]
@@ -115,7 +124,9 @@ impl From<&Inspection> for InspectionShape {
                 Stage::Recording(id) => StageShape::Recording(id.0),
                 Stage::AwaitingVerdict(id) => StageShape::AwaitingVerdict(id.0),
                 Stage::RetakingPhoto(id) => StageShape::RetakingPhoto(id.0),
+                Stage::Viewing(id) => StageShape::Viewing(id.0),
             },
+            views: inspection.views,
         }
     }
 }
@@ -128,8 +139,9 @@ impl InspectionShape {
             StageShape::Recording(id) => Stage::Recording(LuggageId(id)),
             StageShape::AwaitingVerdict(id) => Stage::AwaitingVerdict(LuggageId(id)),
             StageShape::RetakingPhoto(id) => Stage::RetakingPhoto(LuggageId(id)),
+            StageShape::Viewing(id) => Stage::Viewing(LuggageId(id)),
         };
-        Ok(Inspection { cell: self.cell.into(), piece: self.piece.map(Piece), pose: self.pose.pose()?, stage })
+        Ok(Inspection { cell: self.cell.into(), piece: self.piece.map(Piece), pose: self.pose.pose()?, stage, views: self.views })
     }
 }
 

@@ -138,6 +138,8 @@ pub(crate) fn piece(id: u64, cell: Cell, verdict: Option<Verdict>) -> Arc<Luggag
             note: None,
             hot: Default::default(),
         }),
+        seen_from: Vec::new(),
+        unsure: Vec::new(),
         judged: Vec::new(),
         piece: None,
         secured: None,

@@ -136,7 +136,7 @@ mod tests {
     use super::super::testing::{TestApp, app, read};
     use super::*;
     use crate::api::tests::fixture::searching;
-    use hallsweep_core::command::{LuggageRef, Move, Note, TemperatureReport, Verdict};
+    use hallsweep_core::command::{Hot, HotAnswer, LuggageRef, Move, Note, TemperatureReport, Verdict};
     use hallsweep_core::refused::Refused;
     use hallsweep_core::units::{AlarmId, Cell, LuggageId};
 
@@ -164,6 +164,11 @@ mod tests {
             note: Note::new("red"),
             hot: Default::default(),
         };
+        let unsure = Command::Unsure {
+            luggage: LuggageRef::Id(LuggageId(3)),
+            note: Note::new("red"),
+            hot: Hot { hidden: Some(HotAnswer::CannotSay), ..Hot::NONE },
+        };
         let cases = [
             ("POST", "/commands/start", "", Command::Start),
             ("POST", "/commands/start", "{}", Command::Start),
@@ -179,6 +184,7 @@ mod tests {
             ("POST", "/luggage/3/verdict", r#"{"verdict":"safe"}"#, verdict(Verdict::Safe)),
             ("POST", "/luggage/3/verdict", r#"{"verdict":"safe","note":"red"}"#, noted),
             ("POST", "/luggage/3/verdict", r#"{"verdict":"danger"}"#, verdict(Verdict::Danger)),
+            ("POST", "/luggage/3/verdict", r#"{"verdict":"unsure","note":"red","hidden":"cannotSay"}"#, unsure),
             ("POST", "/luggage/3/photo", "", Command::RetakePhoto(LuggageId(3))),
             ("POST", "/alarms/1/acknowledge", "", Command::Acknowledge(AlarmId(1))),
             ("PUT", "/temperature", r#"{"status":"tooHigh"}"#, Command::Temperature(TemperatureReport::TooHigh)),

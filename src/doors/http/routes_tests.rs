@@ -165,8 +165,9 @@ fn the_documentation_shows_the_resources_as_they_are() {
 /// Returns the commands that the page can send, each with its required right. A verdict has two buttons, so it counts
 /// twice.
 fn console_commands() -> Vec<(String, Need)> {
-    let words =
-        |row: &commands::CommandRow| if row.kind == CommandKind::Verdict { vec!["safe", "danger"] } else { vec![row.name] };
+    let words = |row: &commands::CommandRow| {
+        if row.kind == CommandKind::Verdict { vec!["safe", "danger", "unsure"] } else { vec![row.name] }
+    };
     let mut all: Vec<_> =
         COMMANDS.iter().flat_map(|row| words(row).into_iter().map(|word| (format!("/console/{word}"), row.need))).collect();
     all.sort();

@@ -41,7 +41,14 @@ impl Language {
             Carries::Alarm(id) => named.with("id", id),
             Carries::Move(step) => named.with("move", self.say_of("move", letter(step))),
             Carries::Cell(cell) => named.with("cell", cell),
-            Carries::Verdict(luggage, verdict, note, hot) => return self.verdict_given(luggage.or(meant), verdict, note, hot),
+            Carries::Verdict(luggage, verdict, note, hot) => {
+                let said = self.say(match verdict {
+                    Verdict::Safe => "asked-safe",
+                    Verdict::Danger => "asked-danger",
+                });
+                return self.answer_given(&said, luggage.or(meant), note, hot);
+            }
+            Carries::Unsure(luggage, note, hot) => return self.answer_given(&named, luggage.or(meant), note, hot),
             Carries::Strategy(strategy) => named.with("strategy", self.say_of("strategy", strategy.name())),
             Carries::Temperature(TemperatureReport::Ok) => self.say("asked-ok"),
             Carries::Temperature(TemperatureReport::TooHigh) => self.say("asked-too-high"),
@@ -53,13 +60,9 @@ impl Language {
         said.to_string()
     }
 
-    fn verdict_given(self, named: Option<LuggageId>, verdict: Verdict, note: Option<&Note>, hot: Hot) -> String {
-        let said = self.say(match verdict {
-            Verdict::Safe => "asked-safe",
-            Verdict::Danger => "asked-danger",
-        });
-        let of = |said: Phrase<'_>, id: LuggageId| self.say("asked-of").with("asked", said).with("id", id).to_string();
-        let said = named.map_or_else(|| said.to_string(), |id| of(said.clone(), id));
+    fn answer_given(self, said: &Phrase<'_>, named: Option<LuggageId>, note: Option<&Note>, hot: Hot) -> String {
+        let of = |id: LuggageId| self.say("asked-of").with("asked", said).with("id", id).to_string();
+        let said = named.map_or_else(|| said.to_string(), of);
         let said = self.hot(hot).map_or_else(|| said.clone(), |hot| format!("{said} ({hot})"));
         match note {
             Some(note) => self.say("asked-noted").with("asked", said).with("note", note).to_string(),

@@ -8,7 +8,7 @@ use hallsweep_core::settings::{AfterDanger, HotRule, Rules, SafeBy};
 use hallsweep_core::snapshot::fact_words::hours;
 use hallsweep_core::state::fact::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::state::{Conditions, Phase, Retrieval, RetrievalStage, Stage};
-use hallsweep_core::world::luggage::{Judgement, Luggage, PhotoState};
+use hallsweep_core::world::luggage::{Doubt, Judgement, Luggage, PhotoState};
 
 impl Language {
     pub fn fact(self, fact: &Fact) -> String {
@@ -33,12 +33,13 @@ impl Language {
     }
 
     /// Words for each rule that differs from the usual ones.
-    pub fn rules(self, Rules { after_danger, keep_out_m, safe_by, hot }: Rules) -> Vec<String> {
+    pub fn rules(self, Rules { after_danger, keep_out_m, safe_by, hot, unsure_views }: Rules) -> Vec<String> {
         let goes_on = (after_danger == AfterDanger::GoOn).then(|| self.say("rule-goes-on"));
         let rings = (keep_out_m > 0.0).then(|| self.say("rule-rings").with("metres", self.number(&keep_out_m.to_string())));
         let judges = (safe_by == SafeBy::Two).then(|| self.say("rule-two-judges"));
         let hot = (hot == HotRule::Required).then(|| self.say("rule-hot"));
-        goes_on.into_iter().chain(rings).chain(judges).chain(hot).map(|rule| rule.to_string()).collect()
+        let views = (unsure_views < Rules::MOST_VIEWS).then(|| self.say("rule-views").with("count", unsure_views));
+        [goes_on, rings, judges, hot, views].into_iter().flatten().map(|rule| rule.to_string()).collect()
     }
 
     fn happened(self, fact: &Fact) -> String {
@@ -99,6 +100,10 @@ impl Language {
             }
             Fact::Mark(cell, mark) => self.say("fact-cell").with("cell", cell).with("mark", self.say_of("cell", mark.name())),
             Fact::Luggage { record, .. } => return self.luggage(record),
+            Fact::Unsure { luggage, who, note, hot } => {
+                let say = self.say("fact-unsure").with("id", luggage).with("who", who);
+                return self.with_remarks(say.to_string(), *hot, note.as_ref());
+            }
             Fact::Judged(judgement) => return self.judged(judgement),
             Fact::Verdict { luggage, verdict, who, note, hot } if !hot.is_empty() => {
                 let say = self.say("fact-verdict").with("id", luggage).with("verdict", self.verdict(verdict.name()));
@@ -121,12 +126,16 @@ impl Language {
         said.to_string()
     }
 
-    /// What there is to say of the judges of a piece beside its verdict: the answers to the three questions, and the
-    /// answers of other judges.
+    /// What there is to say of the judges of a piece beside its verdict: who was unsure, the answers to the three
+    /// questions, and the answers of other judges.
     pub fn judges(self, luggage: &Luggage) -> Vec<String> {
         let own = luggage.verdict.as_ref().and_then(|decision| self.hot(decision.hot));
         let others = luggage.judged.iter().map(|judgement| self.judged(judgement));
-        own.into_iter().chain(others).collect()
+        let unsure = luggage.unsure.iter().map(|Doubt { who, note, hot, .. }| {
+            let say = self.say("fact-unsure").with("id", luggage.id).with("who", who);
+            self.with_remarks(say.to_string(), *hot, note.as_ref())
+        });
+        unsure.chain(own).chain(others).collect()
     }
 
     fn judged(self, Judgement { luggage, verdict, issuer, note, hot, .. }: &Judgement) -> String {
@@ -151,6 +160,7 @@ impl Language {
             Stage::Recording(id) => self.say("stage-recording").with("id", id),
             Stage::AwaitingVerdict(id) => self.say("stage-waits").with("id", id),
             Stage::RetakingPhoto(id) => self.say("stage-retaking").with("id", id),
+            Stage::Viewing(id) => self.say("stage-viewing").with("id", id),
         };
         self.say("fact-stage").with("phase", self.phase(name)).with("stage", stage).to_string()
     }

@@ -30,6 +30,7 @@ impl Language {
             }
             Said::PhotographedAgain(luggage) => self.say("said-photographed-again").with("id", luggage),
             Said::PhotoStays(luggage) => self.say("said-photo-stays").with("id", luggage),
+            Said::NoOtherView(luggage) => self.say("said-no-other-view").with("id", luggage),
             Said::Secured(luggage) => self.say("secured-one").with("id", luggage),
             Said::HomeThroughRings => self.say("said-home-through-rings"),
             Said::NoWay(cell) => self.say("said-no-way").with("cell", cell),

@@ -80,6 +80,7 @@ fn commands() {
             note: note.clone(),
             hot: Hot { hidden: Some(HotAnswer::No), obvious: None, typical: Some(HotAnswer::CannotSay) },
         }));
+        commands.push(Command::Unsure { luggage, note, hot: Hot { typical: Some(HotAnswer::No), ..Hot::NONE } });
     }
     let many = Asked::Many { last: Box::new(Asked::Command(Command::Start)), more: 4 };
     let stops = [None, Some(Duration::from_millis(1200))].map(|within| Asked::Stops { count: 3, within });
@@ -145,6 +146,7 @@ fn the_log() {
         Said::Found { luggage: ID, cell: CELL, has_photo: false },
         Said::PhotographedAgain(ID),
         Said::PhotoStays(ID),
+        Said::NoOtherView(ID),
         Said::Secured(ID),
         Said::NoWay(CELL),
         Said::Stands(None, Pose::START),
@@ -162,7 +164,7 @@ fn the_log() {
 
 #[test]
 fn the_journal() {
-    let inspecting = |stage| Phase::Inspecting(Inspection { cell: CELL, piece: None, pose: Pose::START, stage });
+    let inspecting = |stage| Phase::Inspecting(Inspection { cell: CELL, piece: None, pose: Pose::START, stage, views: 0 });
     let fault = Phase::Fault { cause: FaultCause::Unanswered, interrupted: Box::new(inspecting(Stage::TakingPhoto)) };
     let command = |refused: Option<Refused>| {
         let note = Note::new("red");
@@ -186,6 +188,8 @@ fn the_journal() {
             first_taken: taken,
             photo,
             verdict: None,
+            seen_from: Vec::new(),
+            unsure: Vec::new(),
             judged: Vec::new(),
             piece: None,
             secured: None,
@@ -236,7 +240,13 @@ fn the_journal_says_where_it_is_and_what_left_it() {
         Fact::Conditions(Conditions {
             venue: Venue { name: "depot".into(), cell_m: Some(0.25), ..Venue::default() },
             threshold: degrees(25.5),
-            rules: Rules { after_danger: AfterDanger::GoOn, keep_out_m: 2.5, safe_by: SafeBy::Two, hot: HotRule::Required },
+            rules: Rules {
+                after_danger: AfterDanger::GoOn,
+                keep_out_m: 2.5,
+                safe_by: SafeBy::Two,
+                hot: HotRule::Required,
+                unsure_views: 1,
+            },
         }),
         Fact::Conditions(Conditions {
             venue: Venue { name: "depot".into(), ..Venue::default() },
@@ -304,10 +314,10 @@ fn a_retrieval_in_the_journal() {
 
 #[test]
 fn every_step_in_the_journal() {
-    let inspecting = |stage| Phase::Inspecting(Inspection { cell: CELL, piece: None, pose: Pose::START, stage });
-    let stages =
-        [Stage::BackingUp, Stage::TakingPhoto, Stage::Recording(ID), Stage::AwaitingVerdict(ID), Stage::RetakingPhoto(ID)];
-    check_facts(stages.map(|stage| Fact::Phase(inspecting(stage))));
+    let inspecting = |stage| Phase::Inspecting(Inspection { cell: CELL, piece: None, pose: Pose::START, stage, views: 0 });
+    let of_piece = [Stage::Recording(ID), Stage::AwaitingVerdict(ID), Stage::RetakingPhoto(ID), Stage::Viewing(ID)];
+    let stages = [&[Stage::BackingUp, Stage::TakingPhoto][..], &of_piece].concat();
+    check_facts(stages.into_iter().map(|stage| Fact::Phase(inspecting(stage))));
     check_facts(["wall", "luggage", "unknown"].map(|kind| Fact::Obstacle(CELL, kind)));
     let marks = [Mark::Unknown, Mark::Seen, Mark::Visited, Mark::Wall, Mark::Luggage, Mark::NotInspected];
     check_facts(marks.map(|mark| Fact::Mark(CELL, mark)));

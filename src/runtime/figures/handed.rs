@@ -139,6 +139,7 @@ impl CountedFact {
             | Fact::ClockSet(_)
             | Fact::Conditions(_)
             | Fact::Judged(_)
+            | Fact::Unsure { .. }
             | Fact::Holds(_)
             | Fact::Epoch(_)
             | Fact::Goal(..)
@@ -235,6 +236,8 @@ mod tests {
             first_taken: WallTime::default(),
             photo: PhotoState::Failed("dark".to_owned()),
             verdict: None,
+            seen_from: Vec::new(),
+            unsure: Vec::new(),
             judged: Vec::new(),
             piece: None,
             secured: None,
@@ -315,7 +318,7 @@ mod tests {
         assert_eq!((figures.value("luggage_total"), figures.value("photos_total")), (3.0, 3.0));
     }
 
-    fn commands() -> [Command; 13] {
+    fn commands() -> [Command; 14] {
         [
             Command::Start,
             Command::Stop,
@@ -326,6 +329,7 @@ mod tests {
             Command::Move(Move::Forward),
             Command::Goto(Cell::HOME),
             Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None, hot: Default::default() },
+            Command::Unsure { luggage: LuggageRef::Pending, note: None, hot: Default::default() },
             Command::RetakePhoto(LuggageId(1)),
             Command::Acknowledge(AlarmId(1)),
             Command::ChooseStrategy(Strategy::default()),
@@ -342,7 +346,7 @@ mod tests {
             let times = |outcome: &str| figures.value(&format!("commands_total{{command=\"{name}\",outcome=\"{outcome}\"}}"));
             assert_eq!((times("accepted"), times("refused")), (1.0, 2.0), "{name}");
         }
-        assert_eq!(figures.value("refusals_total{code=\"held\"}"), 26.0);
+        assert_eq!(figures.value("refusals_total{code=\"held\"}"), 28.0);
     }
 
     #[test]

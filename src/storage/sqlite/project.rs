@@ -10,7 +10,7 @@ use hallsweep_core::command::{Note, Strategy};
 use hallsweep_core::state::fact::Fact;
 use hallsweep_core::state::{PersistentState, Phase};
 use hallsweep_core::units::{LuggageId, MissionId, Seq, WallTime};
-use hallsweep_core::world::luggage::{Decision, Luggage, PhotoState};
+use hallsweep_core::world::luggage::{Decision, Doubt, Luggage, PhotoState};
 
 pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault> {
     let (seq, wall) = (line.seq, line.entry.wall);
@@ -28,6 +28,16 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
             let sql = "UPDATE luggage SET record = json_insert(record, '$.judged[#]', json(?2)) WHERE id = ?1
                        AND NOT EXISTS (SELECT 1 FROM json_each(record, '$.judged') WHERE json(value) = json(?2))";
             run(connection, sql, params![whole(judgement.luggage.0)?, journal::written_judgement(judgement)])
+        }
+        Fact::Unsure { luggage, who, note, hot } => {
+            let doubt = Doubt { who: who.clone(), wall, note: note.clone(), hot: *hot };
+            let sql = "UPDATE luggage SET record = json_insert(
+                           iif(json_type(record, '$.unsure') IS NULL, json_set(record, '$.unsure', json('[]')), record),
+                           '$.unsure[#]', json(?2)) WHERE id = ?1";
+            run(connection, sql, params![whole(luggage.0)?, journal::written_doubt(&doubt)])?;
+            let sql = "UPDATE luggage SET record = json_remove(record, '$.unsure[0]')
+                       WHERE id = ?1 AND json_array_length(record, '$.unsure') > ?2";
+            run(connection, sql, params![whole(luggage.0)?, whole(Luggage::MOST_VIEWS as u64)?])
         }
         Fact::Secured(luggage) => {
             let sql = "UPDATE luggage SET record = json_set(record, '$.secured', json(?2)) WHERE id = ?1";

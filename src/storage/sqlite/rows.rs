@@ -56,7 +56,7 @@ impl Kinds {
             Kinds::All => None,
             Kinds::Named => Some(NAMED),
             Kinds::Milestones => {
-                Some("kind IN ('standing', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict', 'judged', 'secured')")
+                Some("kind IN ('standing', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict', 'unsure', 'judged', 'secured')")
             }
             Kinds::Verdicts => Some("kind IN ('verdict', 'standing')"),
             Kinds::Retrieval => Some("kind IN ('retrieval', 'holds', 'alarmRaised', 'alarmAcknowledged', 'secured', 'phase', 'clockSet')"),
@@ -66,7 +66,7 @@ impl Kinds {
                  'clockSet', 'thermometerSilent')",
             ),
             Kinds::Told => Some(
-                "kind IN ('command', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'judged', 'verdict', 'alarmRaised',
+                "kind IN ('command', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'unsure', 'judged', 'verdict', 'alarmRaised',
                  'alarmAcknowledged', 'programEnded', 'clockSet')",
             ),
             Kinds::OfArchives => Some("kind IN ('writtenOut', 'unpacked')"),

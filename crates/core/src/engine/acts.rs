@@ -46,6 +46,7 @@ impl Engine {
             Act::RecordPiece => self.record_piece(context),
             Act::RecordRetake => self.record_retake(context),
             Act::AskOperator => self.ask_operator(context),
+            Act::RecordUnsure => self.record_unsure(context),
             Act::RecordVerdict => self.record_verdict(context),
             Act::KeepBack => self.keep_back(context),
             Act::NoteReading => self.note_reading(context),

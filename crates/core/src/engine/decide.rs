@@ -69,7 +69,9 @@ impl Engine {
             Guard::NotInPhase => Some(Refused::NotInPhase(phase.name())),
             Guard::VerdictAwaited => self.verdict_awaited(phase, input).map(Refused::VerdictPending),
             Guard::VerdictPending => self.first_pending(false).map(Refused::VerdictPending),
-            Guard::OperatorAsked => self.asked().map(Refused::VerdictPending),
+            Guard::OperatorAsked => {
+                self.asked().filter(|id| self.stage() != Some(Stage::Viewing(*id))).map(Refused::VerdictPending)
+            }
             Guard::Driving => Some(Refused::Driving),
             Guard::NotStopped => forbids(!self.state.holds.contains(Hold::Operator), Refused::NotStopped),
             Guard::IntoObstacle => {
@@ -124,12 +126,17 @@ impl Engine {
                 Some(id) => {
                     // The photo may have been taken when another robot searched. The present robot may stand in
                     // another place.
-                    let is_before = luggage.is_some_and(|luggage| luggage.pose == self.state.pose);
+                    let is_before = phase.inspection().is_some_and(|inspection| {
+                        inspection.pose == self.state.pose || matches!(inspection.stage, Stage::Viewing(_))
+                    });
                     let is_open = self.inspected() == Some(id) && self.decided(input, context).is_none();
                     forbids(!is_before || !is_open, Refused::NotInspected(id))
                 }
             },
-            Guard::PhotoUnderWay => forbids(matches!(self.stage(), Some(Stage::RetakingPhoto(_))), Refused::PhotoUnderWay),
+            Guard::PhotoUnderWay => {
+                let is_under_way = matches!(self.stage(), Some(Stage::RetakingPhoto(_) | Stage::Viewing(_)));
+                forbids(is_under_way, Refused::PhotoUnderWay)
+            }
             Guard::PhotoHeld => {
                 let holds = [Hold::RobotLink, Hold::Store].into_iter();
                 self.held(holds.filter(|hold| self.state.holds.contains(*hold)).collect())
@@ -179,6 +186,7 @@ impl Engine {
             Case::BackedUp => self.stage() == Some(Stage::BackingUp) && !self.robots.searching().off_centre,
             Case::FirstPhoto => self.stage() == Some(Stage::TakingPhoto),
             Case::ThisPiece => matches!(phase, Phase::Inspecting(inspection) if inspection.luggage() == context.luggage),
+            Case::ViewsUnderWay => context.luggage.is_some_and(|id| self.stage() == Some(Stage::Viewing(id))),
             Case::SameVerdict => {
                 let verdict = context.luggage.and_then(|id| self.verdict_kept(id).or_else(|| self.mission.deciding(id)));
                 context.verdict.is_some() && verdict == context.verdict

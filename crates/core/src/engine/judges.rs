@@ -6,7 +6,7 @@ use std::mem;
 
 use super::Engine;
 use crate::asked::Asked;
-use crate::command::{Accepted, Command, Verdict};
+use crate::command::{Accepted, Command, Issuer, Verdict};
 use crate::effect::KeptBack;
 use crate::mission::InputContext;
 use crate::refused::Refused;
@@ -103,6 +103,15 @@ impl Engine {
         let list = self.judges.next(answers);
         self.judges.answers.push(Answer { judgement, number: list.number, is_stored: false });
         self.outbox.keep_back(list);
+    }
+
+    /// Withdraws the answer of a judge who is unsure now.
+    pub(super) fn take_back(&mut self, luggage: LuggageId, judge: &Issuer) {
+        let is_own = |other: &Judgement| other.luggage == luggage && other.issuer.key() == judge.key();
+        if self.judges.judgements().any(is_own) {
+            self.judges.answers.retain(|answer| !is_own(&answer.judgement));
+            self.keep_back_anew();
+        }
     }
 
     pub(super) fn answer_when_kept_back(&mut self, ticket: Ticket, context: &InputContext) {

@@ -34,6 +34,7 @@ mod simulated;
 mod stops;
 mod team;
 mod view;
+mod views;
 mod watchdog;
 
 #[cfg(test)]

@@ -14,7 +14,7 @@ use crate::settings::Settings;
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
 use crate::state::fact::Fact;
-use crate::state::{Phase, Stage};
+use crate::state::{Inspection, Phase, Stage};
 use crate::units::{Cell, Now, OrderId};
 use crate::world::hall_map::{Mark, is_in_reach};
 use crate::world::keep_out::{KeepOut, Ring, USUAL_CELL_M};
@@ -148,6 +148,7 @@ impl Engine {
             Phase::ReturningHome | Phase::ReturningWithAlarm => self.go_home(),
             Phase::Driving { goal, next, .. } => self.drive(goal, next),
             Phase::Retrieving => self.retrieve(),
+            Phase::Inspecting(Inspection { stage: Stage::Viewing(id), .. }) => self.view_piece(id),
             Phase::Idle
             | Phase::Inspecting(_)
             | Phase::AtHome

@@ -84,9 +84,9 @@ impl Engine {
         let piece = context.obstacle.and_then(super::obstacles::piece_of);
         match context.luggage.and_then(|id| self.state.luggage.get(id)) {
             Some(luggage) => {
-                Inspection { cell: luggage.cell, piece: luggage.piece, pose, stage: Stage::RetakingPhoto(luggage.id) }
+                Inspection { cell: luggage.cell, piece: luggage.piece, pose, stage: Stage::RetakingPhoto(luggage.id), views: 0 }
             }
-            None => Inspection { cell: context.cell.unwrap_or(pose.ahead()), piece, pose, stage: Stage::BackingUp },
+            None => Inspection { cell: context.cell.unwrap_or(pose.ahead()), piece, pose, stage: Stage::BackingUp, views: 0 },
         }
     }
 
@@ -116,9 +116,13 @@ impl Engine {
     }
 
     pub(super) fn set_stage(&mut self, stage: Stage) {
+        self.change_inspection(|inspection| inspection.stage = stage);
+    }
+
+    pub(super) fn change_inspection(&mut self, change: impl FnOnce(&mut Inspection)) {
         let mut phase = self.state.phase.clone();
         if let Phase::Inspecting(inspection) = phase.underlying_mut() {
-            inspection.stage = stage;
+            change(inspection);
             self.note_phase(phase);
         }
     }

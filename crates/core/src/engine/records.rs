@@ -39,7 +39,9 @@ impl Engine {
             taken,
             first_taken: taken,
             photo: state,
+            seen_from: Vec::new(),
             verdict: None,
+            unsure: Vec::new(),
             judged: Vec::new(),
             piece,
             secured: None,
@@ -52,7 +54,8 @@ impl Engine {
     /// Records a new photo of a known piece. If the photo failed, an older photo stays valid.
     pub(super) fn record_retake(&mut self, context: &InputContext) {
         let Some(Stage::RetakingPhoto(id)) = self.stage() else { return };
-        self.set_stage(Stage::AwaitingVerdict(id));
+        let has_views = self.state.phase.inspection().is_some_and(|inspection| inspection.views > 0);
+        self.set_stage(if has_views { Stage::Viewing(id) } else { Stage::AwaitingVerdict(id) });
         let Some(known) = self.state.luggage.get(id) else { return };
         if context.photo.is_none() && known.has_photo() {
             self.world.write(self.now.wall, Tone::Warning, Said::PhotoStays(id));
@@ -60,7 +63,8 @@ impl Engine {
         }
         let photo = photo_of(context);
         let state = PhotoState::after(Some(&known.photo), &photo);
-        let luggage = Luggage { taken: self.now.wall, photo: state, ..Luggage::clone(known) };
+        let later = Luggage { pose: self.state.pose, taken: self.now.wall, photo: state, ..Luggage::clone(known) };
+        let luggage = known.photographed_again(&later);
         self.send_record(luggage, photo);
     }
 

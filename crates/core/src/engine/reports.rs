@@ -159,7 +159,7 @@ impl Engine {
                 self.note_phase(phase);
             }
             Some(Stage::RetakingPhoto(id)) => self.set_stage(Stage::AwaitingVerdict(id)),
-            Some(Stage::Recording(_) | Stage::AwaitingVerdict(_)) | None => {}
+            Some(Stage::Recording(_) | Stage::AwaitingVerdict(_) | Stage::Viewing(_)) | None => {}
         }
     }
 

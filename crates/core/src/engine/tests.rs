@@ -28,8 +28,13 @@ fn now(seconds: u64) -> Now {
 }
 
 fn phase(name: PhaseName) -> Phase {
-    let inspection =
-        Inspection { cell: Cell::new(0, 1), piece: None, pose: Pose::START, stage: Stage::AwaitingVerdict(LuggageId(1)) };
+    let inspection = Inspection {
+        cell: Cell::new(0, 2),
+        piece: None,
+        pose: Pose { cell: Cell::new(0, 1), ..Pose::START },
+        stage: Stage::AwaitingVerdict(LuggageId(1)),
+        views: 0,
+    };
     match name {
         PhaseName::Idle => Phase::Idle,
         PhaseName::Exploring => Phase::Exploring,
@@ -64,6 +69,8 @@ fn sweep_in(name: PhaseName, holds: &[Hold]) -> Engine {
         first_taken: WallTime::default(),
         photo: PhotoState::Taken { bytes: 1, take: 1 },
         verdict: None,
+        seen_from: Vec::new(),
+        unsure: Vec::new(),
         judged: Vec::new(),
         piece: None,
         secured: None,
@@ -106,6 +113,7 @@ fn command(input: Input) -> Option<Command> {
         Input::GoOn => Command::GoOn,
         Input::Safe => Command::Verdict { luggage, verdict: Verdict::Safe, note: None, hot: Default::default() },
         Input::Danger => Command::Verdict { luggage, verdict: Verdict::Danger, note: None, hot: Default::default() },
+        Input::Unsure => Command::Unsure { luggage, note: None, hot: Default::default() },
         Input::TemperatureOk => Command::Temperature(TemperatureReport::Ok),
         Input::TemperatureTooHigh => Command::Temperature(TemperatureReport::TooHigh),
         Input::Reading => Command::Temperature(TemperatureReport::Reading(Celsius::new(20.0)?)),

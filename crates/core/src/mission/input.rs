@@ -19,6 +19,7 @@ named! {
         GoOn = "GO ON",
         Safe = "safe",
         Danger = "danger",
+        Unsure = "unsure",
         TemperatureOk = "temperature OK",
         TemperatureTooHigh = "temperature TOO HIGH",
         Reading = "temperature reading",
@@ -60,7 +61,7 @@ named! {
 
 impl Input {
     /// The inputs that are commands, in the order of mission §4.
-    pub(crate) const COMMANDS: [Input; 17] = *Input::ALL.first_chunk().expect("they are listed first");
+    pub(crate) const COMMANDS: [Input; 18] = *Input::ALL.first_chunk().expect("they are listed first");
 
     /// The inputs that are events, in the order in which they occur in a mission.
     pub(crate) const EVENTS: [Input; 25] = *Input::ALL.last_chunk().expect("they are listed last");
@@ -116,6 +117,10 @@ impl InputContext {
                     Verdict::Danger => Input::Danger,
                 };
                 (input, InputContext { luggage, is_bare, verdict: Some(*verdict), note: note.clone(), hot: *hot, ..context })
+            }
+            Command::Unsure { luggage, note, hot } => {
+                let luggage = luggage.or(pending);
+                (Input::Unsure, InputContext { luggage, note: note.clone(), hot: *hot, ..context })
             }
             Command::RetakePhoto(id) => (Input::RetakePhoto, InputContext { luggage: Some(*id), ..context }),
             Command::Acknowledge(id) => (Input::Acknowledge, InputContext { alarm: Some(*id), ..context }),

@@ -109,6 +109,14 @@ impl Planner {
         way(&self.grid, &mut self.ways, self.costs, start, goal, through)
     }
 
+    /// Returns the cheapest way to a pose, over unknown cells too. They are assumed to be free.
+    pub(crate) fn way_to_look(&mut self, start: Pose, goal: Pose) -> Option<Vec<Move>> {
+        let mut way = self.way_to_cell(start, goal.cell, Through::Unknown)?;
+        let end = way.iter().fold(start, |pose, step| after(pose, *step));
+        turn(&mut way, end.heading, goal.heading);
+        (end.cell == goal.cell).then_some(way)
+    }
+
     pub(crate) fn way_to_pose(&mut self, start: Pose, goal: Pose) -> Option<Vec<Move>> {
         let Planner { grid, ways, costs, .. } = self;
         if grid.at(goal.cell) != Square::Visited {

@@ -74,6 +74,10 @@ fn said(fact: &Fact) -> String {
             let note = note.as_ref().map(|note| format!(" (note: {note})")).unwrap_or_default();
             format!("verdict on luggage #{luggage}: {}, by {who}{}{note}", verdict.name(), answers(*hot))
         }
+        Fact::Unsure { luggage, who, note, hot } => {
+            let note = note.as_ref().map(|note| format!(" (note: {note})")).unwrap_or_default();
+            format!("unsure about luggage #{luggage}, by {who}{}{note}", answers(*hot))
+        }
         Fact::Judged(judgement) => {
             let Judgement { luggage, verdict, issuer, note, hot, .. } = &**judgement;
             let note = note.as_ref().map(|note| format!(" (note: {note})")).unwrap_or_default();
@@ -89,12 +93,14 @@ fn said(fact: &Fact) -> String {
 }
 
 /// Returns the rules that differ from the usual ones, each after a comma.
-fn rules_in_words(Rules { after_danger, keep_out_m, safe_by, hot }: Rules) -> String {
+fn rules_in_words(Rules { after_danger, keep_out_m, safe_by, hot, unsure_views }: Rules) -> String {
     let goes_on = (after_danger == AfterDanger::GoOn).then(|| ", the search goes on after danger".to_owned());
     let rings = (keep_out_m > 0.0).then(|| format!(", keep-out rings of {keep_out_m} m"));
     let judges = (safe_by == SafeBy::Two).then(|| ", a verdict of safe needs two judges".to_owned());
     let hot = (hot == HotRule::Required).then(|| ", a verdict of safe needs the answers to three questions".to_owned());
-    goes_on.into_iter().chain(rings).chain(judges).chain(hot).collect()
+    let views =
+        (unsure_views < Rules::MOST_VIEWS).then(|| format!(", further photos when a judge is unsure: at most {unsure_views}"));
+    [goes_on, rings, judges, hot, views].into_iter().flatten().collect()
 }
 
 fn answers(hot: Hot) -> String {
@@ -121,6 +127,7 @@ fn in_words(phase: &Phase) -> String {
         Stage::Recording(id) => format!("{name}: recording #{id}"),
         Stage::AwaitingVerdict(id) => format!("{name}: #{id} waits for its verdict"),
         Stage::RetakingPhoto(id) => format!("{name}: taking the photo of #{id} again"),
+        Stage::Viewing(id) => format!("{name}: driving to another side of #{id}"),
     }
 }
 
@@ -206,7 +213,8 @@ mod tests {
 
     #[test]
     fn a_phase_says_how_far_it_has_come_and_what_it_interrupts() {
-        let inspecting = |stage| Phase::Inspecting(Inspection { cell: Cell::new(0, 1), piece: None, pose: Pose::START, stage });
+        let inspecting =
+            |stage| Phase::Inspecting(Inspection { cell: Cell::new(0, 1), piece: None, pose: Pose::START, stage, views: 0 });
         check(Fact::Phase(inspecting(Stage::TakingPhoto)), "phase: inspecting luggage: taking the photo");
         let waiting = inspecting(Stage::AwaitingVerdict(LuggageId(3)));
         check(Fact::Phase(waiting.clone()), "phase: inspecting luggage: #3 waits for its verdict");
@@ -227,6 +235,8 @@ mod tests {
             first_taken: taken,
             photo,
             verdict: None,
+            seen_from: Vec::new(),
+            unsure: Vec::new(),
             judged: Vec::new(),
             piece: None,
             secured: None,

@@ -45,6 +45,8 @@ pub enum Said {
     PhotographedAgain(LuggageId),
     /// A new photo failed, so the earlier photo of this piece stays.
     PhotoStays(LuggageId),
+    /// No place is left from which the robot could take another photo of this piece.
+    NoOtherView(LuggageId),
     Secured(LuggageId),
     NoWay(Cell),
     HomeThroughRings,
@@ -104,6 +106,9 @@ impl fmt::Display for Said {
             Said::PhotographedAgain(luggage) => write!(f, "luggage #{luggage} photographed again"),
             Said::PhotoStays(luggage) => {
                 write!(f, "photo of luggage #{luggage} could not be taken again; the first one stays")
+            }
+            Said::NoOtherView(luggage) => {
+                write!(f, "luggage #{luggage} cannot be photographed from another side: no free place is near")
             }
             Said::Secured(luggage) => write!(f, "luggage #{luggage} is in the container"),
             Said::NoWay(cell) => write!(f, "no way leads to {cell}"),
@@ -256,6 +261,8 @@ mod tests {
             first_taken: taken,
             photo,
             verdict: None,
+            seen_from: Vec::new(),
+            unsure: Vec::new(),
             judged: Vec::new(),
             piece: None,
             secured: None,

@@ -79,6 +79,13 @@ pub enum Fact {
         note: Option<Note>,
         hot: Hot,
     },
+    /// A judge could not tell from the photo whether the piece is safe.
+    Unsure {
+        luggage: LuggageId,
+        who: Arc<str>,
+        note: Option<Note>,
+        hot: Hot,
+    },
     /// The answer of another judge, which was kept back until this entry.
     Judged(Box<Judgement>),
     Temperature(Arc<str>, Celsius),

@@ -22,7 +22,7 @@ use super::search::Search;
 use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId, MissionId, Pose, Revision, WallTime};
 use super::world::alarm::{Alarm, AlarmCause};
 use super::world::hall_map::{HallMap, Mark};
-use super::world::luggage::{Decision, Judgement, Luggage};
+use super::world::luggage::{Decision, Doubt, Judgement, Luggage};
 use super::world::records::LuggageRecords;
 use crate::command::{OPERATOR, Strategy};
 use crate::hold::{Hold, Holds};
@@ -152,6 +152,10 @@ impl PersistentState {
                 let decision = Decision { verdict: *verdict, who: Arc::clone(who), wall, note: note.clone(), hot: *hot };
                 self.luggage.change(*luggage, |record| record.verdict = Some(decision));
             }
+            Fact::Unsure { luggage, who, note, hot } => {
+                let doubt = Doubt { who: Arc::clone(who), wall, note: note.clone(), hot: *hot };
+                self.luggage.change(*luggage, |record| record.doubt(doubt));
+            }
             Fact::Judged(judgement) => self.luggage.change(judgement.luggage, |record| {
                 if !record.judged.contains(judgement) {
                     record.judged.push(Judgement::clone(judgement));
@@ -215,13 +219,13 @@ impl PersistentState {
         self.map.mark(cell, mark, revision);
     }
 
-    /// Stores a luggage record. If the piece is known already, it keeps its verdict and the time of its first photo.
+    /// Stores a luggage record. If the piece is known already, only its photo is new.
     fn keep(&mut self, record: &Arc<Luggage>) {
-        let known = self.luggage.get(record.id);
-        let (verdict, secured, judged) =
-            known.map_or_else(Default::default, |known| (known.verdict.clone(), known.secured, known.judged.clone()));
-        let Luggage { first_taken, clock_set_ms, .. } = **known.unwrap_or(record);
-        self.luggage.insert(Arc::new(Luggage { verdict, judged, secured, first_taken, clock_set_ms, ..Luggage::clone(record) }));
+        let record = match self.luggage.get(record.id) {
+            Some(known) => Arc::new(known.photographed_again(record)),
+            None => Arc::clone(record),
+        };
+        self.luggage.insert(Arc::clone(&record));
         self.pieces.extend(record.piece);
         self.last_luggage = self.last_luggage.max(record.id);
     }

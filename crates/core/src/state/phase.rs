@@ -95,7 +95,7 @@ impl Phase {
             Phase::Exploring | Phase::ReturningHome | Phase::ReturningWithAlarm | Phase::Driving { .. } | Phase::Retrieving => {
                 true
             }
-            Phase::Inspecting(inspection) => matches!(inspection.stage, Stage::BackingUp),
+            Phase::Inspecting(inspection) => matches!(inspection.stage, Stage::BackingUp | Stage::Viewing(_)),
             Phase::Idle | Phase::AtHome | Phase::BombLocated | Phase::BagSecured | Phase::Explored | Phase::Fault { .. } => false,
         }
     }
@@ -112,13 +112,16 @@ pub struct Inspection {
     pub cell: Cell,
     /// The number that the camera recognised, if it recognised one.
     pub piece: Option<Piece>,
+    /// Where the robot stands to take the photo.
     pub pose: Pose,
     pub stage: Stage,
+    /// Number of further photos that the robot has to take from other places, because a judge was unsure.
+    pub views: u8,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
-    /// Returning to the centre of the cell from which the robot came. The robot moves only in this stage.
+    /// Returning to the centre of the cell from which the robot came.
     BackingUp,
     TakingPhoto,
     Recording(LuggageId),
@@ -126,13 +129,15 @@ pub enum Stage {
     AwaitingVerdict(LuggageId),
     /// The photo is being taken again, and the operator may decide meanwhile.
     RetakingPhoto(LuggageId),
+    /// Driving to another side of the piece, because a judge was unsure. The operator may decide meanwhile.
+    Viewing(LuggageId),
 }
 
 impl Inspection {
     #[must_use]
     pub const fn luggage(&self) -> Option<LuggageId> {
         match self.stage {
-            Stage::Recording(id) | Stage::AwaitingVerdict(id) | Stage::RetakingPhoto(id) => Some(id),
+            Stage::Recording(id) | Stage::AwaitingVerdict(id) | Stage::RetakingPhoto(id) | Stage::Viewing(id) => Some(id),
             Stage::BackingUp | Stage::TakingPhoto => None,
         }
     }

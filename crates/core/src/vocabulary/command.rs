@@ -80,6 +80,12 @@ pub enum Command {
         note: Option<Note>,
         hot: Hot,
     },
+    /// The sender cannot judge the piece from its photo. The robot takes photos from other sides, and asks again.
+    Unsure {
+        luggage: LuggageRef,
+        note: Option<Note>,
+        hot: Hot,
+    },
     RetakePhoto(LuggageId),
     Acknowledge(AlarmId),
     ChooseStrategy(Strategy),
@@ -95,13 +101,14 @@ pub enum Carries<'a> {
     Move(Move),
     Cell(Cell),
     Verdict(LuggageRef, Verdict, Option<&'a Note>, Hot),
+    Unsure(LuggageRef, Option<&'a Note>, Hot),
     Strategy(Strategy),
     Temperature(&'a TemperatureReport),
 }
 
 impl Command {
     /// The codes of all commands. The journal stores these codes, so a code never changes.
-    pub const CODES: [&str; 13] = [
+    pub const CODES: [&str; 14] = [
         "start",
         "stop",
         "backHome",
@@ -111,6 +118,7 @@ impl Command {
         "move",
         "goto",
         "verdict",
+        "unsure",
         "retake",
         "acknowledge",
         "strategy",
@@ -131,6 +139,7 @@ impl Command {
             Command::Move(_) => "move",
             Command::Goto(_) => "goto",
             Command::Verdict { .. } => "verdict",
+            Command::Unsure { .. } => "unsure",
             Command::RetakePhoto(_) => "retake",
             Command::Acknowledge(_) => "acknowledge",
             Command::ChooseStrategy(_) => "strategy",
@@ -148,6 +157,7 @@ impl Command {
             Command::Move(step) => Carries::Move(*step),
             Command::Goto(cell) => Carries::Cell(*cell),
             Command::Verdict { luggage, verdict, note, hot } => Carries::Verdict(*luggage, *verdict, note.as_ref(), *hot),
+            Command::Unsure { luggage, note, hot } => Carries::Unsure(*luggage, note.as_ref(), *hot),
             Command::RetakePhoto(id) => Carries::Luggage(*id),
             Command::Acknowledge(id) => Carries::Alarm(*id),
             Command::ChooseStrategy(strategy) => Carries::Strategy(*strategy),
@@ -158,7 +168,7 @@ impl Command {
     #[must_use]
     pub const fn luggage(&self) -> Option<LuggageRef> {
         match self.carries() {
-            Carries::Verdict(luggage, ..) => Some(luggage),
+            Carries::Verdict(luggage, ..) | Carries::Unsure(luggage, ..) => Some(luggage),
             Carries::Luggage(id) => Some(LuggageRef::Id(id)),
             Carries::Nothing
             | Carries::Alarm(_)
@@ -182,6 +192,7 @@ impl Command {
             | Command::Goto(_) => true,
             Command::Stop
             | Command::Verdict { .. }
+            | Command::Unsure { .. }
             | Command::RetakePhoto(_)
             | Command::Acknowledge(_)
             | Command::ChooseStrategy(_)
@@ -202,16 +213,8 @@ impl std::fmt::Display for Command {
             Command::Reset => f.write_str("RESET"),
             Command::Move(step) => write!(f, "move {}", step.in_words()),
             Command::Goto(cell) => write!(f, "goto {cell}"),
-            Command::Verdict { luggage, verdict, note, hot } => {
-                f.write_str(verdict.name())?;
-                if let LuggageRef::Id(id) = luggage {
-                    write!(f, " #{id}")?;
-                }
-                if !hot.is_empty() {
-                    write!(f, " ({hot})")?;
-                }
-                note.as_ref().map_or(Ok(()), |note| write!(f, " (note: {note})"))
-            }
+            Command::Verdict { luggage, verdict, note, hot } => write_answer(f, verdict.name(), *luggage, note.as_ref(), *hot),
+            Command::Unsure { luggage, note, hot } => write_answer(f, "unsure", *luggage, note.as_ref(), *hot),
             Command::RetakePhoto(id) => write!(f, "retake photo #{id}"),
             Command::Acknowledge(id) => write!(f, "acknowledge alarm {id}"),
             Command::ChooseStrategy(strategy) => write!(f, "choose strategy {}", strategy.name()),
@@ -225,6 +228,23 @@ impl std::fmt::Display for Command {
             }
         }
     }
+}
+
+fn write_answer(
+    f: &mut std::fmt::Formatter<'_>,
+    answer: &str,
+    luggage: LuggageRef,
+    note: Option<&Note>,
+    hot: Hot,
+) -> std::fmt::Result {
+    f.write_str(answer)?;
+    if let LuggageRef::Id(id) = luggage {
+        write!(f, " #{id}")?;
+    }
+    if !hot.is_empty() {
+        write!(f, " ({hot})")?;
+    }
+    note.map_or(Ok(()), |note| write!(f, " (note: {note})"))
 }
 
 named! {

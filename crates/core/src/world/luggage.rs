@@ -11,13 +11,18 @@ pub struct Luggage {
     /// The number of the piece, never used for another piece.
     pub id: LuggageId,
     pub cell: Cell,
+    /// Where the robot stood when it took the latest photo.
     pub pose: Pose,
+    /// Where it stood when it took the photos before, as far as the places differ.
+    pub seen_from: Vec<Pose>,
     /// When the latest photo was taken (or failed).
     pub taken: WallTime,
     /// When the first photo was taken. Since then the piece waits for its verdict.
     pub first_taken: WallTime,
     pub photo: PhotoState,
     pub verdict: Option<Decision>,
+    /// The latest answers of judges who were unsure, the oldest first.
+    pub unsure: Vec<Doubt>,
     /// The answers of other judges, which were kept back until the verdict.
     pub judged: Vec<Judgement>,
     /// The number that the camera recognised, if it recognised one.
@@ -74,6 +79,15 @@ pub struct Decision {
     pub hot: Hot,
 }
 
+/// The answer of a judge who could not tell from the photo.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Doubt {
+    pub who: Arc<str>,
+    pub wall: WallTime,
+    pub note: Option<Note>,
+    pub hot: Hot,
+}
+
 /// The answer of one judge, while a verdict of safe needs two. Nobody but the judge sees it before the verdict.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Judgement {
@@ -101,6 +115,25 @@ impl Judgement {
 }
 
 impl Luggage {
+    /// Maximum number of unsure answers, and of earlier places, that a record keeps. The journal keeps all of them.
+    pub const MOST_VIEWS: usize = 16;
+
+    /// Returns the record with the photo of `later`.
+    pub(crate) fn photographed_again(&self, later: &Luggage) -> Luggage {
+        let mut seen_from = self.seen_from.clone();
+        if self.pose != later.pose && !seen_from.contains(&self.pose) {
+            seen_from.push(self.pose);
+            seen_from.drain(..seen_from.len().saturating_sub(Luggage::MOST_VIEWS));
+        }
+        let Luggage { pose, taken, photo, .. } = later.clone();
+        Luggage { pose, seen_from, taken, photo, ..self.clone() }
+    }
+
+    pub(crate) fn doubt(&mut self, doubt: Doubt) {
+        self.unsure.push(doubt);
+        self.unsure.drain(..self.unsure.len().saturating_sub(Luggage::MOST_VIEWS));
+    }
+
     /// When the piece began to wait for its verdict. The time is corrected for later changes of the clock.
     #[must_use]
     pub const fn waits_since(&self) -> WallTime {

@@ -203,6 +203,8 @@ mod tests {
             first_taken: WallTime::default(),
             photo: PhotoState::Failed("dark".to_owned()),
             verdict: verdict.map(decision),
+            seen_from: Vec::new(),
+            unsure: Vec::new(),
             judged: Vec::new(),
             piece: None,
             secured: None,

@@ -36,7 +36,7 @@ use hallsweep_core::state::{
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Piece, Pose, Revision, Seq, WallTime};
 use hallsweep_core::world::alarm::{Alarm, AlarmCause};
 use hallsweep_core::world::hall_map::{HallMap, Mark, REACH};
-use hallsweep_core::world::luggage::{Decision, Judgement, Luggage, PhotoState};
+use hallsweep_core::world::luggage::{Decision, Doubt, Judgement, Luggage, PhotoState};
 
 const MARKS: [Mark; 6] = [Mark::Unknown, Mark::Seen, Mark::Visited, Mark::Wall, Mark::Luggage, Mark::NotInspected];
 
@@ -75,6 +75,12 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
         (cell(), prop_oneof![Just("wall"), Just("luggage"), Just("unknown")]).prop_map(|(cell, kind)| Fact::Obstacle(cell, kind)),
         (cell(), one_of(&MARKS)).prop_map(|(cell, mark)| Fact::Mark(cell, mark)),
         luggage().prop_map(|record| Fact::Luggage { record: Arc::new(record), photo: None }),
+        (any::<u64>(), text(), note(), hot()).prop_map(|(id, who, note, hot)| Fact::Unsure {
+            luggage: LuggageId(id),
+            who: who.into(),
+            note,
+            hot
+        }),
         judgement().prop_map(|judgement| Fact::Judged(Box::new(judgement))),
         (any::<u64>(), verdict(), text(), note(), hot()).prop_map(|(id, verdict, who, note, hot)| Fact::Verdict {
             hot,
@@ -102,8 +108,14 @@ fn conditions() -> impl Strategy<Value = Conditions> {
     });
     let side = (option::of(0.01..100.0), any::<bool>());
     let rings = prop_oneof![Just(0.0), 0.1..Rules::WIDEST_M];
-    let rules = (one_of(&AfterDanger::ALL), rings, one_of(&SafeBy::ALL), one_of(&HotRule::ALL));
-    let rules = rules.prop_map(|(after_danger, keep_out_m, safe_by, hot)| Rules { after_danger, keep_out_m, safe_by, hot });
+    let rules = (one_of(&AfterDanger::ALL), rings, one_of(&SafeBy::ALL), one_of(&HotRule::ALL), 0..=Rules::MOST_VIEWS);
+    let rules = rules.prop_map(|(after_danger, keep_out_m, safe_by, hot, unsure_views)| Rules {
+        after_danger,
+        keep_out_m,
+        safe_by,
+        hot,
+        unsure_views,
+    });
     (text(), side, celsius(), reach, vec(robot, 0..3), option::of(any::<u64>()), rules).prop_map(
         |(hall, (cell_m, is_reckoned), threshold, reach, robots, seed, rules)| Conditions {
             venue: Venue { name: hall.into(), cell_m, is_reckoned, reach, robots: robots.into(), seed },
@@ -315,13 +327,10 @@ fn inspection() -> impl Strategy<Value = Inspection> {
         id().prop_map(Stage::Recording),
         id().prop_map(Stage::AwaitingVerdict),
         id().prop_map(Stage::RetakingPhoto),
+        id().prop_map(Stage::Viewing),
     ];
-    (cell(), option::of(any::<u32>().prop_map(Piece)), pose(), stage).prop_map(|(cell, piece, pose, stage)| Inspection {
-        cell,
-        piece,
-        pose,
-        stage,
-    })
+    (cell(), option::of(any::<u32>().prop_map(Piece)), pose(), stage, any::<u8>())
+        .prop_map(|(cell, piece, pose, stage, views)| Inspection { cell, piece, pose, stage, views })
 }
 
 fn cause() -> impl Strategy<Value = FaultCause> {
@@ -425,21 +434,28 @@ fn luggage() -> impl Strategy<Value = Luggage> {
     ];
     let decision = (verdict(), text(), wall(), note(), hot());
     let decision = decision.prop_map(|(verdict, who, wall, note, hot)| Decision { verdict, who: who.into(), wall, note, hot });
-    let decision = (option::of(decision), vec(judgement(), 0..2));
+    let doubt = (text(), wall(), note(), hot());
+    let doubt = doubt.prop_map(|(who, wall, note, hot)| Doubt { who: who.into(), wall, note, hot });
+    let decision = (option::of(decision), vec(judgement(), 0..2), vec(doubt, 0..2));
+    let pose = (pose(), vec(pose(), 0..3));
     let piece = option::of(any::<u32>().prop_map(Piece));
-    (any::<u64>(), cell(), pose(), wall(), photo, decision, piece, (option::of(wall()), any::<i64>(), wall())).prop_map(
-        |(id, cell, pose, taken, photo, (verdict, judged), piece, (secured, clock_set_ms, first_taken))| Luggage {
-            id: LuggageId(id),
-            cell,
-            pose,
-            taken,
-            first_taken,
-            photo,
-            verdict,
-            judged,
-            piece,
-            secured,
-            clock_set_ms,
+    (any::<u64>(), cell(), pose, wall(), photo, decision, piece, (option::of(wall()), any::<i64>(), wall())).prop_map(
+        |(id, cell, (pose, seen_from), taken, photo, (verdict, judged, unsure), piece, (secured, clock_set_ms, first_taken))| {
+            Luggage {
+                id: LuggageId(id),
+                cell,
+                pose,
+                taken,
+                first_taken,
+                photo,
+                seen_from,
+                verdict,
+                unsure,
+                judged,
+                piece,
+                secured,
+                clock_set_ms,
+            }
         },
     )
 }

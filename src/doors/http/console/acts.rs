@@ -45,10 +45,10 @@ impl TypedRemarks {
     }
 }
 
-/// Returns the form actions of a command's buttons. A verdict has two buttons; every other command has one, with the
+/// Returns the form actions of a command's buttons. A verdict has three buttons; every other command has one, with the
 /// command's name.
 pub(in crate::doors::http) fn buttons(command: &CommandRow) -> Vec<&'static str> {
-    if command.kind == CommandKind::Verdict { vec!["safe", "danger"] } else { vec![command.name] }
+    if command.kind == CommandKind::Verdict { vec!["safe", "danger", "unsure"] } else { vec![command.name] }
 }
 
 impl Fields {
@@ -69,8 +69,9 @@ impl Fields {
             "goto" => {
                 command::goto(number("x", needed("x", self.x.as_deref())?)?, number("y", needed("y", self.y.as_deref())?)?)?
             }
-            "safe" => self.verdict(Verdict::Safe)?,
-            "danger" => self.verdict(Verdict::Danger)?,
+            "safe" => self.answer(Some(Verdict::Safe))?,
+            "danger" => self.answer(Some(Verdict::Danger))?,
+            "unsure" => self.answer(None)?,
             "retake" => Command::RetakePhoto(LuggageId(self.id()?)),
             "acknowledge" => Command::Acknowledge(AlarmId(self.id()?)),
             "strategy" => Command::ChooseStrategy(self.strategy()?),
@@ -83,7 +84,7 @@ impl Fields {
     /// Returns the name of the place where the page shows a refusal: beside the pressed button.
     pub(super) fn button(&self, act: &str) -> String {
         match (act, &self.id) {
-            ("safe" | "danger" | "retake", Some(_)) => "verdict".to_owned(),
+            ("safe" | "danger" | "unsure" | "retake", Some(_)) => "verdict".to_owned(),
             ("acknowledge", Some(id)) => format!("alarm-{id}"),
             ("move" | "goto", _) => "drive".to_owned(),
             // The place beside STOP is reserved for messages of the script, so a refusal is shown at the top of the
@@ -93,10 +94,15 @@ impl Fields {
         }
     }
 
-    fn verdict(&self, verdict: Verdict) -> Result<Command, Problem> {
+    /// Returns the answer about a piece; without a verdict, the sender is unsure.
+    fn answer(&self, verdict: Option<Verdict>) -> Result<Command, Problem> {
         let note = self.note.as_deref().map(note).transpose()?.flatten();
         let hot = hot([&self.hidden, &self.obvious, &self.typical])?;
-        Ok(Command::Verdict { luggage: LuggageRef::Id(LuggageId(self.id()?)), verdict, note, hot })
+        let luggage = LuggageRef::Id(LuggageId(self.id()?));
+        Ok(match verdict {
+            Some(verdict) => Command::Verdict { luggage, verdict, note, hot },
+            None => Command::Unsure { luggage, note, hot },
+        })
     }
 
     fn id(&self) -> Result<u64, Problem> {

@@ -229,8 +229,12 @@ impl Inspect<'_> {
         self.v.language.refused(&Refused::NoPhoto(luggage.id))
     }
 
-    fn may_retake(&self, luggage: &Luggage) -> bool {
+    fn is_before_robot(&self, luggage: &Luggage) -> bool {
         self.v.snapshot.mission.inspected == Some(luggage.id)
+    }
+
+    fn is_photographed(&self, luggage: &Luggage) -> bool {
+        self.is_before_robot(luggage) && self.v.snapshot.mission.refusals.retake == Some(Refused::PhotoUnderWay)
     }
 }
 

@@ -95,6 +95,7 @@ fn harmless() -> impl Strategy<Value = Fact> {
             Fact::MissionBegan(..)
                 | Fact::MissionArchived(..)
                 | Fact::Judged(_)
+                | Fact::Unsure { .. }
                 | Fact::Verdict { .. }
                 | Fact::Luggage { .. }
                 | Fact::Secured(_)

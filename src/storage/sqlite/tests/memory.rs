@@ -38,6 +38,8 @@ fn luggage(id: u64, photo: Result<&str, &str>) -> Entry {
         first_taken: taken,
         photo: state,
         verdict: None,
+        seen_from: Vec::new(),
+        unsure: Vec::new(),
         judged: Vec::new(),
         piece: None,
         secured: None,

@@ -153,7 +153,7 @@ pub(super) fn photo(text: &str) -> Photo {
 
 pub(super) fn inspecting(id: u64) -> Fact {
     let stage = Stage::AwaitingVerdict(LuggageId(id));
-    Fact::Phase(Phase::Inspecting(Inspection { cell: Cell::new(0, 1), piece: None, pose: Pose::START, stage }))
+    Fact::Phase(Phase::Inspecting(Inspection { cell: Cell::new(0, 1), piece: None, pose: Pose::START, stage, views: 0 }))
 }
 
 pub(super) fn found(id: u64, photo: Option<Photo>) -> Fact {
@@ -166,6 +166,8 @@ pub(super) fn found(id: u64, photo: Option<Photo>) -> Fact {
         first_taken: WallTime::default(),
         photo: taken.unwrap_or(PhotoState::Failed("dark".to_owned())),
         verdict: None,
+        seen_from: Vec::new(),
+        unsure: Vec::new(),
         judged: Vec::new(),
         piece: None,
         secured: None,

@@ -5,7 +5,7 @@ use crate::hold::Hold;
 use crate::mission::Input;
 use crate::mission::rule::Act::{
     Acknowledge, AlarmUnrecorded, Archive, Clear, EmptyMap, EndRetrieval, HearSensor, KeepBack, LedOff, NoteReading, Raise,
-    RecordVerdict, Release, Stop,
+    RecordUnsure, RecordVerdict, Release, Stop,
 };
 use crate::mission::rule::Rule::{Go, RefuseIf, RefuseIfThen, When};
 use crate::mission::rule::To::{Interrupted, Phase, Stay};
@@ -75,6 +75,14 @@ const DANGER: &[Rule] = &[
     RefuseIfThen(Guard::StoreDown, &[AlarmUnrecorded]),
     Go(Stay, &[RecordVerdict]),
 ];
+const UNSURE: &[Rule] = &[
+    RefuseIf(Guard::UnknownLuggage),
+    When(Case::ViewsUnderWay, Stay, &[]),
+    RefuseIf(Guard::NotInspected),
+    RefuseIf(Guard::PhotoUnderWay),
+    RefuseIf(Guard::StoreDown),
+    Go(Stay, &[RecordUnsure]),
+];
 const RESET: &[Rule] = &[
     RefuseIf(Guard::Moving),
     RefuseIf(Guard::Unrecorded),
@@ -120,6 +128,7 @@ pub(in crate::mission) const fn row(input: Input) -> InputRow {
         Input::Restarted => raised!(Hold::Restart),
         Input::Safe => Everywhere(SAFE),
         Input::Danger => Everywhere(DANGER),
+        Input::Unsure => Everywhere(UNSURE),
         Input::TemperatureOk => Everywhere(&[RefuseIf(Guard::StoreDown), Go(Stay, &[Clear(Hold::TooHigh)])]),
         Input::Reading => Everywhere(READING),
         Input::SensorReading => Everywhere(&[RefuseIf(Guard::UnknownSensor), Go(Stay, &[HearSensor])]),

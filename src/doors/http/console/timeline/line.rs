@@ -310,6 +310,7 @@ fn class(fact: &Fact) -> Option<&'static str> {
         | Fact::Phase(_)
         | Fact::Holds(_)
         | Fact::Judged(_)
+        | Fact::Unsure { .. }
         | Fact::Retrieval(_) => {
             return None;
         }
