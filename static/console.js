@@ -149,10 +149,10 @@ function show(message) {
   else if (here !== document.body && isDead(here)) lead();
 }
 
-/** What the buttons of the incident and of the banners do: a double click on OK must not be START. */
+/** What the buttons of the incident, of the banners and under a photo are about: a double click on OK must not be START. */
 const nextAct = () => {
   const forms = [...document.querySelectorAll("#incident .acts form, #holds form")];
-  return [at("holds").childElementCount, ...forms.map((form) => `${form.getAttribute("action")} ${form.elements.id?.value ?? ""}`)].join();
+  return [at("holds").childElementCount, at("inspect").dataset.take, ...forms.map((form) => `${form.getAttribute("action")} ${form.elements.id?.value ?? ""}`)].join();
 };
 
 /** Another piece is under the verdict buttons: a click already on its way must not hit it. */

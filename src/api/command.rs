@@ -9,6 +9,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use super::fields::{Body, BodyFields, Unread, in_short, needed};
 use super::halt::is_halt;
 use super::vocabulary;
+use hallsweep_core::closing::Closing;
 use hallsweep_core::command::{Command, CommandId, Hot, HotAnswer, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
 use hallsweep_core::units::{Cell, Celsius, Epoch, LuggageId};
 use hallsweep_core::words::is_visible;
@@ -35,6 +36,21 @@ pub struct RetrieveBody {
     /// Epoch that the sender saw last. The command is refused if a stop has happened since then.
     #[schemars(range(max = u64::MAX))]
     epoch: Option<u64>,
+}
+
+/// Statement of the person in charge, as `{"name":"Anna Rossi","note":"handed over","openPoints":3}`.
+#[derive(Clone, Debug, JsonSchema)]
+#[schemars(deny_unknown_fields, rename_all = "camelCase")]
+pub struct CloseBody {
+    /// Name of the person in charge, in one line of visible characters.
+    #[schemars(length(min = 1, max = Note::MOST), regex(pattern = VISIBLE))]
+    name: String,
+    /// Remark, in one line of visible characters.
+    #[schemars(length(max = Note::MOST), regex(pattern = VISIBLE))]
+    note: Option<String>,
+    /// Number of open points that the sender has seen; 0 if absent. The refusal `openPoints` names them.
+    #[schemars(range(max = u64::MAX))]
+    open_points: Option<u64>,
 }
 
 /// One move by hand, as `{"move":"w"}`.
@@ -161,6 +177,15 @@ impl Body for RetrieveBody {
     }
 }
 
+impl Body for CloseBody {
+    const FIELDS: &'static [&'static str] = &["name", "note", "openPoints"];
+
+    fn taken(fields: &BodyFields) -> Result<CloseBody, Unusable> {
+        let name = needed(fields.text("name")?, "name", "{\"name\":\"Anna Rossi\"}")?;
+        Ok(CloseBody { name, note: fields.text("note")?, open_points: fields.count("openPoints")? })
+    }
+}
+
 impl Body for MoveBody {
     const FIELDS: &'static [&'static str] = &["move", "epoch"];
 
@@ -214,6 +239,12 @@ impl EpochBody {
 impl RetrieveBody {
     pub fn command(self) -> (Command, Option<Epoch>) {
         (Command::Retrieve(self.luggage.map(LuggageId)), self.epoch.map(Epoch))
+    }
+}
+
+impl CloseBody {
+    pub fn command(&self) -> Result<Command, Unusable> {
+        close(&self.name, self.note.as_deref(), self.open_points.unwrap_or(0))
     }
 }
 
@@ -304,6 +335,13 @@ pub fn note(text: &str) -> Result<Option<Note>, Unusable> {
         return Err(Unusable(format!("the note has the invisible character {hidden:?}: write one line of visible characters")));
     }
     Ok(Note::new(text))
+}
+
+/// Reads the statement of the person in charge.
+pub fn close(name: &str, note_of: Option<&str>, open: u64) -> Result<Command, Unusable> {
+    let name = note(name)?.ok_or_else(|| Unusable("the name is empty: write the name of the person in charge".to_owned()))?;
+    let seen = usize::try_from(open).unwrap_or(usize::MAX);
+    Ok(Command::Close(Closing { name, note: note_of.map(note).transpose()?.flatten(), seen }))
 }
 
 /// Reads the answer to one of the three questions about a piece; `None` if it was not answered.

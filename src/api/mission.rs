@@ -4,7 +4,9 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use super::robot::PositionJson;
+use super::time::rfc3339;
 use super::vocabulary;
+use hallsweep_core::closing::{Closed, OpenPoints};
 use hallsweep_core::command::Strategy;
 use hallsweep_core::phase::FaultCause;
 use hallsweep_core::refused::Refused;
@@ -47,8 +49,57 @@ pub struct MissionJson {
     /// Keep-out rings round the bombs in the hall that nobody is fetching; absent if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub keep_out: Vec<RingJson>,
+    /// Statement with which the mission was closed; absent if it is not closed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub closed: Option<ClosedJson>,
     /// For each button, the sentence that says why the button would be refused now, or null.
     pub refusals: RefusalsJson,
+}
+
+/// Statement of the person in charge that the search is over.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct ClosedJson {
+    /// Name of the person in charge.
+    pub name: String,
+    /// Name of the key.
+    pub by: String,
+    /// Time, RFC 3339 with zone.
+    pub at: String,
+    /// Remark, or null.
+    pub note: Option<String>,
+    /// What was left open.
+    pub open: OpenPointsJson,
+}
+
+/// Numbers of open points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
+pub struct OpenPointsJson {
+    /// Number of pieces without a verdict.
+    pub pending: usize,
+    /// Number of dangerous pieces in the hall.
+    pub bombs: usize,
+    /// Number of known places that were not searched.
+    pub places: usize,
+    /// Number of such places inside keep-out rings, which are not in `places`.
+    pub kept_out: usize,
+    /// Number of cells that can be reached but were not visited; 0 if the hall is not known beforehand.
+    pub unvisited: usize,
+    /// Number of free cells that cannot be reached from the start; 0 if the hall is not known beforehand.
+    pub unreachable: usize,
+}
+
+impl From<&Closed> for ClosedJson {
+    fn from(Closed { who, name, note, open, wall }: &Closed) -> ClosedJson {
+        let OpenPoints { pending, bombs, places, kept_out, unvisited, unreachable } = *open;
+        ClosedJson {
+            name: name.text().to_owned(),
+            by: who.to_string(),
+            at: rfc3339(*wall),
+            note: note.as_ref().map(|note| note.text().to_owned()),
+            open: OpenPointsJson { pending, bombs, places, kept_out, unvisited, unreachable },
+        }
+    }
 }
 
 /// Keep-out ring: the cells round a bomb that no robot enters by itself.
@@ -138,6 +189,7 @@ impl MissionJson {
             strategy: mission.strategy.name(),
             epoch: mission.epoch.0,
             progress: mission.progress.into(),
+            closed: mission.closed.as_deref().map(ClosedJson::from),
             keep_out: rings(&mission.keep_out),
             refusals: (&mission.refusals).into(),
         }

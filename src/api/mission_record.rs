@@ -7,6 +7,7 @@ use serde::Serialize;
 use super::journal::{self, ConditionsShape};
 use super::luggage::LuggageJson;
 use super::map::{MapJson, Plan};
+use super::mission::ClosedJson;
 use super::robot::PositionJson;
 use super::time::rfc3339;
 use super::vocabulary;
@@ -123,6 +124,9 @@ pub struct MomentJson {
     pub silent_since: Option<String>,
     /// Hall and temperature threshold; null if they are not recorded.
     pub conditions: Option<ConditionsShape>,
+    /// Statement with which the mission was closed; absent if it is not closed.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub closed: Option<ClosedJson>,
     /// Luggage found up to this entry, sorted by number.
     pub luggage: Vec<LuggageJson>,
     /// Known part of the hall.
@@ -165,6 +169,7 @@ impl MomentJson {
             read_at: reading.and_then(|reading| reading.read).map(rfc3339),
             silent_since: reading.and_then(|reading| reading.silent_since).map(rfc3339),
             conditions: conditions(state),
+            closed: state.closed.as_deref().map(ClosedJson::from),
             luggage: state.luggage.iter().map(|luggage| LuggageJson::from(&**luggage)).collect(),
             map: MapJson::from(Plan::from(state)),
             damage,

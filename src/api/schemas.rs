@@ -6,7 +6,7 @@ use schemars::{JsonSchema, Schema};
 use serde_json::{Map, Value};
 
 use super::alarm::AlarmJson;
-use super::command::{EpochBody, GotoBody, MoveBody, RetrieveBody, StrategyBody, TemperatureBody, VerdictBody};
+use super::command::{CloseBody, EpochBody, GotoBody, MoveBody, RetrieveBody, StrategyBody, TemperatureBody, VerdictBody};
 use super::commands::Takes;
 use super::log::LogLineJson;
 use super::luggage::LuggageJson;
@@ -68,6 +68,7 @@ impl Schemas {
             Takes::Nothing => return None,
             Takes::Epoch => self.taken::<EpochBody>(),
             Takes::Retrieve => self.taken::<RetrieveBody>(),
+            Takes::Close => self.taken::<CloseBody>(),
             Takes::Move => self.taken::<MoveBody>(),
             Takes::Goto => self.taken::<GotoBody>(),
             Takes::Verdict => self.taken::<VerdictBody>(),

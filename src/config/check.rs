@@ -171,7 +171,7 @@ fn rules(layers: &Layers) -> Result<Rules, SettingsError> {
         keep_out_m: number(layers, "mission.keep_out_m")?,
         safe_by: safe_by(layers)?,
         hot: one_of(layers, "mission.hot", &HotRule::ALL, HotRule::name, "there is no such rule")?,
-        unsure_views: read(layers, "mission.unsure_views")?,
+        unsure_views: u8::try_from(count(layers, "mission.unsure_views")?).unwrap_or(Rules::MOST_VIEWS),
     })
 }
 

@@ -54,8 +54,9 @@ const EVACUATION_M: SettingKind = SettingKind::Number { least: 1.0, most: 5000.0
 const KEEP_OUT_M: SettingKind = SettingKind::Number { least: 0.0, most: Rules::WIDEST_M };
 
 /// A number of judges.
-const VIEWS: SettingKind = SettingKind::Number { least: 0.0, most: Rules::MOST_VIEWS as f64 };
 const SAFE_BY: SettingKind = SettingKind::Number { least: 1.0, most: 2.0 };
+/// A number of photos.
+const VIEWS: SettingKind = SettingKind::Number { least: 0.0, most: Rules::MOST_VIEWS as f64 };
 
 /// Degrees Celsius, within the bounds that the core accepts.
 const CELSIUS: SettingKind = SettingKind::Number { least: Celsius::LEAST, most: Celsius::MOST };

@@ -101,8 +101,22 @@ const judges = {
     await phase(page, /secured/i, waiting);
     await picture('both-fetched');
     must(!(await state()).mission.keepOut, 'a ring is left');
+    // The person in charge closes the mission, and has seen what is left open.
+    await page.getByRole('link', { name: 'Close the mission' }).first().click();
+    const open = await page.locator('main li').allInnerTexts();
+    must(open.some((line) => /cells never visited: \d+/.test(line)), `left open: ${open}`);
+    await page.getByLabel('Name of the person in charge').fill('Anna Rossi');
+    await page.getByLabel('Note').fill('handed to the police');
+    await picture('closing');
+    await page.getByRole('button', { name: 'Close the mission' }).click();
+    await page.getByText('Closed by Anna Rossi at').first().waitFor();
+    await fits(page);
+    await picture('closed');
+    const { closed } = (await state()).mission;
+    must(closed.by === 'operator' && closed.note === 'handed to the police' && closed.open.bombs === 0, JSON.stringify(closed));
     const report = await (await page.request.get(`${url}/missions/1/report`)).text();
-    must(/answer kept back until now/.test(report) && /hidden: no/.test(report) && /unsure about luggage/.test(report), `the report says nothing of the judges: ${report}`);
+    must(/answer kept back until now/.test(report) && /hidden: no/.test(report) && /unsure about luggage/.test(report)
+      && /mission closed by Anna Rossi, key operator/.test(report) && /2 of \d+ judged pieces were judged dangerous/.test(report), `the report says nothing of the judges: ${report}`);
     await context.close();
   },
 };

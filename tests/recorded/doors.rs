@@ -22,6 +22,7 @@ pub(crate) use hallsweep::runtime::halt::Halter;
 pub(crate) use hallsweep::runtime::handle::{COMMANDS, Envelope, Handle};
 pub(crate) use hallsweep::runtime::store::Store;
 pub(crate) use hallsweep::storage::sqlite::MemoryStore;
+pub(crate) use hallsweep_core::closing::OpenPoints;
 pub(crate) use hallsweep_core::command::Strategy;
 pub(crate) use hallsweep_core::command::{Command, CommandId, LuggageRef, TemperatureReport, Verdict};
 pub(crate) use hallsweep_core::effect::Page;

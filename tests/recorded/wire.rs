@@ -8,9 +8,9 @@ use sha2::{Digest, Sha256};
 
 use super::book::{Book, hex};
 use super::doors::{
-    AlarmId, CODES, Cell, ChangesJson, Code, CommandId, Entry, Epoch, Fact, Hold, LuggageId, MapJson, MissionId, PhaseName,
-    Picture, ProblemJson, ProblemKind, Refusal, RefusalKind, Refused, Resource, ResourceKind, Revision, RobotId, Seq, Snapshot,
-    StateJson, Verdict, cbor, concise_problem, journal, journal_words, map_text, old_items, qak, senml, state, text,
+    AlarmId, CODES, Cell, ChangesJson, Code, CommandId, Entry, Epoch, Fact, Hold, LuggageId, MapJson, MissionId, OpenPoints,
+    PhaseName, Picture, ProblemJson, ProblemKind, Refusal, RefusalKind, Refused, Resource, ResourceKind, Revision, RobotId, Seq,
+    Snapshot, StateJson, Verdict, cbor, concise_problem, journal, journal_words, map_text, old_items, qak, senml, state, text,
 };
 
 /// Records every form of a state, and of its changes since the one before.
@@ -108,6 +108,7 @@ pub(crate) fn refusals() -> Vec<Refused> {
         Refused::Decided { luggage: piece, verdict: Verdict::Safe },
         Refused::Decided { luggage: piece, verdict: Verdict::Danger },
         Refused::NotABomb(piece),
+        Refused::OpenPoints(OpenPoints { pending: 1, unvisited: 12, ..OpenPoints::default() }),
         Refused::NoPhoto(piece),
         Refused::HotUnanswered(piece),
         Refused::NotInspected(piece),

@@ -22,6 +22,7 @@ mod retrieval;
 mod retrieval_alone;
 mod retrieval_faults;
 mod rules_alarms;
+mod rules_closing;
 mod rules_commands;
 mod rules_crossings;
 mod rules_driving;

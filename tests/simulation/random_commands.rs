@@ -26,8 +26,8 @@ fn whatever_the_operator_does_the_rules_hold_and_the_mission_can_be_brought_to_i
     for seed in 0..400 {
         let hall = halls::random(seed, 9);
         let mut dice = RandomStream::new(seed, "operator");
-        let mut watch = Watch::default();
         let (sim, settings, strategy) = in_turn(seed, Settings::default());
+        let mut watch = Watch { has_sonar: settings.sonar_cells > 0, ..Watch::default() };
         let sim = SimSettings { unknown_rate: 0.1, photo_failure_rate: 0.2, ..sim };
         let mut run = Run::new(hall.clone(), sim, settings, strategy);
         for _ in 0..120 {
@@ -84,6 +84,8 @@ struct Watch {
     goal: Option<Cell>,
     /// Whether the robot waits for a START.
     waits: bool,
+    /// Whether the robot has a sonar. On the way home it may see a better goal.
+    has_sonar: bool,
 }
 
 impl Watch {
@@ -98,7 +100,7 @@ impl Watch {
     fn resumes(&mut self, before: &Snapshot, after: &Snapshot, hall: &Hall, seed: u64) {
         let away = matches!(before.mission.phase, PhaseName::Exploring | PhaseName::AtHome);
         let (Some(goal), true, PhaseName::Exploring) = (self.goal.take(), away, after.mission.phase) else { return };
-        let open = goal != Cell::HOME && matches!(after.map.at(goal), Mark::Unknown | Mark::NotInspected);
+        let open = goal != Cell::HOME && !self.has_sonar && matches!(after.map.at(goal), Mark::Unknown | Mark::NotInspected);
         let reachable = hall.reachable();
         let reachable = std::iter::once(goal).chain(goal.neighbours()).any(|cell| reachable.contains(&cell));
         assert!(!open || !reachable || after.mission.goal == Some(goal), "seed {seed}: {goal} became {:?}", after.mission.goal);
@@ -139,10 +141,9 @@ fn give_and_check(run: &mut Run, watch: &mut Watch, hall: &Hall, command: Comman
     let after = run.state();
     if result.is_ok() {
         watch.waits = after.mission.holds.contains(&Hold::AwaitingStart);
-        // Driving by hand may show that the goal is unreachable, and a reset forgets the goal.
-        if matches!(command, Command::Reset | Command::ChooseStrategy(_) | Command::Move(_) | Command::Goto(_))
-            || after.mission.id != before.mission.id
-        {
+        // A drive by hand or round a piece may show more of the hall, and a reset forgets the goal.
+        let is_drive = matches!(command, Command::Move(_) | Command::Goto(_) | Command::Unsure { .. });
+        if is_drive || matches!(command, Command::Reset | Command::ChooseStrategy(_)) || after.mission.id != before.mission.id {
             watch.goal = None;
         }
     }

@@ -44,5 +44,5 @@ mod vocabulary;
 pub mod world;
 
 pub use vocabulary::{
-    arm, asked, command, event, hold, not_fetched, pair, phase, place, refused, robot, simulated, speed, units, words,
+    arm, asked, closing, command, event, hold, not_fetched, pair, phase, place, refused, robot, simulated, speed, units, words,
 };

@@ -55,8 +55,13 @@ pub struct Rules {
 
 impl Default for Rules {
     fn default() -> Rules {
-        let (after_danger, safe_by, hot) = Default::default();
-        Rules { after_danger, keep_out_m: 0.0, safe_by, hot, unsure_views: Rules::MOST_VIEWS }
+        Rules {
+            after_danger: AfterDanger::default(),
+            keep_out_m: 0.0,
+            safe_by: SafeBy::default(),
+            hot: HotRule::default(),
+            unsure_views: Rules::MOST_VIEWS,
+        }
     }
 }
 

@@ -10,6 +10,7 @@ use super::names::{self, Step};
 use super::places::Point;
 use super::{Unparsed, earlier};
 use hallsweep_core::asked::Asked;
+use hallsweep_core::closing::Closing;
 use hallsweep_core::command::{Carries, Command, Hot, LuggageRef, Note, TemperatureReport};
 use hallsweep_core::simulated::{Change, Simulated};
 use hallsweep_core::speed::Speed;
@@ -72,6 +73,10 @@ fn of_command(command: &Command) -> Coded {
             fields["verdict"] = verdict.name().into();
             Coded::new(code, fields)
         }
+        Carries::Closing(Closing { name, note, seen }) => {
+            let note = note.as_ref().map(Note::text);
+            Coded::new(code, json!({ "name": name.text(), "note": note, "openPoints": seen }))
+        }
         Carries::Unsure(luggage, note, hot) => Coded::new(code, answer(luggage, note, hot)),
         Carries::Strategy(strategy) => Coded::new(code, json!({ "strategy": strategy.name() })),
         Carries::Temperature(TemperatureReport::Ok) => Coded::bare("temperatureOk"),
@@ -120,6 +125,11 @@ fn command(coded: &Coded) -> Result<Command, Unparsed> {
             hot: hot()?,
         },
         "unsure" => Command::Unsure { luggage: luggage()?, note: names::note(coded.field("note")?)?, hot: hot()? },
+        "close" => {
+            let name = names::note(coded.field("name")?)?.ok_or_else(|| Unparsed("there is no name".to_owned()))?;
+            let (note, seen) = (names::note(coded.field("note")?)?, coded.field("openPoints")?);
+            Command::Close(Closing { name, note, seen })
+        }
         "retake" => Command::RetakePhoto(LuggageId(coded.field("luggage")?)),
         "acknowledge" => Command::Acknowledge(AlarmId(coded.field("alarm")?)),
         "strategy" => Command::ChooseStrategy(names::strategy(&coded.field::<String>("strategy")?)?),

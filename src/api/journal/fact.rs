@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::closing::ClosedShape;
 use super::coded::{CodeOrSentence, Coded, Form};
 use super::conditions::ConditionsShape;
 use super::luggage::{HotShape, JudgementShape, LuggageShape};
@@ -136,6 +137,8 @@ pub(super) enum Shape {
     },
     /// The answer of another judge, which was kept back until this entry.
     Judged(JudgementShape),
+    /// The person in charge has closed the mission.
+    Closed(ClosedShape),
     Temperature {
         source: String,
         celsius: f64,
@@ -203,6 +206,7 @@ pub const fn kind(fact: &Fact) -> &'static str {
         Fact::Verdict { .. } => "verdict",
         Fact::Unsure { .. } => "unsure",
         Fact::Judged(_) => "judged",
+        Fact::Closed(_) => "closed",
         Fact::Temperature(..) => "temperature",
         Fact::ThermometerSilent(_) => "thermometerSilent",
         Fact::AlarmRaised(..) => "alarmRaised",
@@ -273,6 +277,7 @@ impl Shape {
                 note: note.as_ref().map(|note| note.text().to_owned()),
                 hot: (*hot).into(),
             },
+            Fact::Closed(closed) => Shape::Closed((&**closed).into()),
             Fact::Temperature(source, celsius) => Shape::Temperature { source: source.to_string(), celsius: celsius.degrees() },
             Fact::ThermometerSilent(source) => Shape::ThermometerSilent { source: source.to_string() },
             Fact::AlarmRaised(alarm, luggage, cause) => {
@@ -336,6 +341,7 @@ impl Shape {
                 note: names::note(note)?,
                 hot: hot.hot()?,
             },
+            Shape::Closed(closed) => Fact::Closed(Box::new(closed.closed()?)),
             Shape::Temperature { source, celsius } => Fact::Temperature(source.into(), names::celsius(celsius)?),
             Shape::ThermometerSilent { source } => Fact::ThermometerSilent(source.into()),
             Shape::AlarmRaised { alarm, luggage, text } => {

@@ -12,6 +12,7 @@
 
 mod asked;
 mod causes;
+mod closing;
 mod coded;
 mod conditions;
 mod earlier;

@@ -3,6 +3,7 @@
 
 use serde_json::{Value, json};
 
+use super::closing::OpenShape;
 use super::coded::{Coded, Form};
 use super::phase::CauseShape;
 use super::places::Point;
@@ -33,6 +34,7 @@ pub(super) fn written(refused: &Refused, form: Form) -> Coded {
         Refused::FetcherUnreached(robot) | Refused::FetcherAbroad(robot) => json!({ "robot": robot.name() }),
         Refused::FaultStands(fault) => json!({ "fault": CauseShape::of(fault, form) }),
         Refused::OtherContent(id) => json!({ "id": id.text() }),
+        Refused::OpenPoints(open) => json!({ "open": OpenShape::from(*open) }),
         Refused::UnknownSensor(sensor) => json!({ "sensor": &**sensor }),
         Refused::NotAllowed(_) | Refused::InWords(_) => json!({ "words": refused.to_string() }),
         Refused::SentBefore
@@ -92,6 +94,7 @@ fn value(coded: &Coded) -> Result<Refused, Unparsed> {
         "noRetrievalRobot" => Refused::NoRetrievalRobot,
         "fetcherUnreached" => Refused::FetcherUnreached(robot()?),
         "fetcherAbroad" => Refused::FetcherAbroad(robot()?),
+        "openPoints" => Refused::OpenPoints(coded.field::<OpenShape>("open")?.into()),
         "faultStands" => Refused::FaultStands(coded.field::<CauseShape>("fault")?.cause()?),
         "storeDown" => Refused::StoreDown,
         "notKept" => Refused::NotKept,

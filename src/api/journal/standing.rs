@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::closing::ClosedShape;
 use super::coded::Form;
 use super::conditions::ConditionsShape;
 use super::luggage::{AlarmShape, LuggageShape, is_zero};
@@ -51,6 +52,8 @@ pub(super) struct StandingShape {
     last_alarm: u64,
     reading: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
+    closed: Option<ClosedShape>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     conditions: Option<ConditionsShape>,
     #[serde(default, skip_serializing_if = "is_zero")]
     clock_set_ms: i64,
@@ -81,6 +84,7 @@ impl StandingShape {
             alarms: state.alarms.iter().map(|alarm| AlarmShape::of(alarm, form)).collect(),
             last_alarm: state.last_alarm.0,
             reading: state.reading.map(hallsweep_core::units::Celsius::degrees),
+            closed: state.closed.as_deref().map(ClosedShape::from),
             conditions: state.conditions.as_ref().map(ConditionsShape::from),
             clock_set_ms: state.clock_set_ms,
         }
@@ -114,6 +118,7 @@ impl StandingShape {
             alarms: self.alarms.into_iter().map(|alarm| alarm.alarm().map(Arc::new)).collect::<Result<_, _>>()?,
             last_alarm: AlarmId(self.last_alarm),
             reading: self.reading.map(names::celsius).transpose()?,
+            closed: self.closed.map(ClosedShape::closed).transpose()?.map(Arc::new),
             conditions: self.conditions.map(ConditionsShape::conditions).transpose()?,
             clock_set_ms: self.clock_set_ms,
         })

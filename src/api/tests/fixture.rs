@@ -178,6 +178,9 @@ fn alone(view: RobotView) -> Arc<[RobotShown]> {
 
 fn idle_mission() -> MissionView {
     MissionView {
+        open: Default::default(),
+        is_viewing: false,
+        closed: None,
         id: MissionId(0),
         phase: PhaseName::Idle,
         interrupted: None,

@@ -136,6 +136,7 @@ mod tests {
     use super::super::testing::{TestApp, app, read};
     use super::*;
     use crate::api::tests::fixture::searching;
+    use hallsweep_core::closing::Closing;
     use hallsweep_core::command::{Hot, HotAnswer, LuggageRef, Move, Note, TemperatureReport, Verdict};
     use hallsweep_core::refused::Refused;
     use hallsweep_core::units::{AlarmId, Cell, LuggageId};
@@ -164,6 +165,7 @@ mod tests {
             note: Note::new("red"),
             hot: Default::default(),
         };
+        let closing = Command::Close(Closing { name: Note::new("Anna Rossi").unwrap(), note: None, seen: 3 });
         let unsure = Command::Unsure {
             luggage: LuggageRef::Id(LuggageId(3)),
             note: Note::new("red"),
@@ -178,6 +180,7 @@ mod tests {
             ("POST", "/commands/retrieve", "", Command::Retrieve(None)),
             ("POST", "/commands/retrieve", r#"{"luggage":3}"#, Command::Retrieve(Some(LuggageId(3)))),
             ("POST", "/commands/reset", "", Command::Reset),
+            ("POST", "/commands/close", r#"{"name":"Anna Rossi","openPoints":3}"#, closing),
             ("POST", "/commands/move", r#"{"move":"w"}"#, Command::Move(Move::Forward)),
             ("POST", "/commands/move", r#"{"move":"h"}"#, Command::Stop),
             ("POST", "/commands/goto", r#"{"x":4,"y":-2}"#, Command::Goto(cell)),
@@ -232,6 +235,11 @@ mod tests {
             ("POST", "/commands/move", r#"{"move":"q"}"#, 422),
             ("POST", "/commands/move", r#"{"move":1}"#, 422),
             ("POST", "/commands/goto", r#"{"x":1}"#, 422),
+            ("POST", "/commands/close", r#"{"openPoints":1}"#, 422),
+            ("POST", "/commands/close", r#"{"name":" "}"#, 422),
+            ("POST", "/commands/close", r#"{"name":"a\u202eb"}"#, 422),
+            ("POST", "/commands/close", r#"{"name":"Anna","openPoints":-1}"#, 422),
+            ("POST", "/commands/close", r#"{"name":"Anna","openPoints":18446744073709551616}"#, 422),
             ("POST", "/commands/goto", r#"{"x":1.5,"y":1}"#, 422),
             ("POST", "/commands/goto", r#"{"x":8193,"y":1}"#, 422),
             ("POST", "/commands/goto", r#"{"x":99999999999999999999,"y":1}"#, 422),

@@ -285,6 +285,7 @@ mod tests {
             ("GET", "/api/v1/events"),
             ("GET", "/console/live"),
             ("GET", "/console/confirm/reset"),
+            ("GET", "/console/confirm/close"),
             ("GET", "/console/confirm/danger/3"),
             ("GET", "/static/console.css"),
             ("GET", "/static/console.js"),

@@ -149,6 +149,7 @@ pub(super) fn halted(pressed: Option<&Pressed>) -> &'static str {
 mod tests {
     use super::*;
     use crate::api::problem::refusal as named;
+    use hallsweep_core::closing::OpenPoints;
     use hallsweep_core::command::{CommandId, Verdict};
     use hallsweep_core::hold::Hold;
     use hallsweep_core::phase::{FaultCause, PhaseName};
@@ -230,7 +231,8 @@ mod tests {
             Some(Refused::NoRetrievalRobot) => Refused::FetcherUnreached(RobotId::discovery()),
             Some(Refused::FetcherUnreached(_)) => Refused::FetcherAbroad(RobotId::discovery()),
             Some(Refused::FetcherAbroad(_)) => Refused::FaultStands(FaultCause::Unanswered),
-            Some(Refused::FaultStands(_)) => Refused::StoreDown,
+            Some(Refused::FaultStands(_)) => Refused::OpenPoints(OpenPoints { bombs: 1, ..OpenPoints::default() }),
+            Some(Refused::OpenPoints(_)) => Refused::StoreDown,
             Some(Refused::StoreDown) => Refused::NotKept,
             Some(Refused::NotKept) => Refused::OtherContent(CommandId::new("a-name").unwrap()),
             Some(Refused::OtherContent(_)) => Refused::UnknownSensor("roof".into()),

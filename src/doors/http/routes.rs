@@ -193,6 +193,7 @@ fn page() -> Vec<RouteRow> {
         get("/console/missions/{id}/moment", See, console::moments::message),
         get("/console/confirm/danger/{id}", Act, console::confirm_danger),
         get("/console/confirm/reset", Act, console::confirm_reset),
+        get("/console/confirm/close", Act, console::confirm_close),
     ]
 }
 

@@ -162,8 +162,8 @@ fn the_documentation_shows_the_resources_as_they_are() {
     documented::shows("http.md", "the table of resources", &shown);
 }
 
-/// Returns the commands that the page can send, each with its required right. A verdict has two buttons, so it counts
-/// twice.
+/// Returns the commands that the page can send, each with its required right. A verdict has three buttons, so it counts
+/// three times.
 fn console_commands() -> Vec<(String, Need)> {
     let words = |row: &commands::CommandRow| {
         if row.kind == CommandKind::Verdict { vec!["safe", "danger", "unsure"] } else { vec![row.name] }

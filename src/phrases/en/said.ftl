@@ -100,6 +100,7 @@ refused-unrecorded = a piece of luggage is being recorded: wait for its photo
 refused-bombUnfetched = luggage #{ $id } is dangerous and still in the hall: acknowledge its alarm first
 refused-unknownLuggage = there is no luggage #{ $id }
 refused-notABomb = luggage #{ $id } is not a bomb in the hall: name a dangerous piece that has not been fetched yet
+refused-openPoints = open points: { $open }; to close the mission with them, send openPoints { $total }
 refused-nothingPending = no luggage waits for a verdict
 refused-decided = luggage #{ $id } was already found { $verdict }: a verdict is final
 refused-noPhoto = luggage #{ $id } has no usable photo: take it again, or answer danger

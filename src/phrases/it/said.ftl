@@ -100,6 +100,7 @@ refused-unrecorded = un bagaglio viene registrato: attendere la sua foto
 refused-bombUnfetched = il bagaglio #{ $id } è pericoloso e ancora nella sala: prima confermare il suo allarme
 refused-unknownLuggage = non c'è nessun bagaglio #{ $id }
 refused-notABomb = il bagaglio #{ $id } non è una bomba nella sala: indicare un bagaglio pericoloso non ancora recuperato
+refused-openPoints = punti aperti: { $open }; per chiudere la missione con essi, inviare openPoints { $total }
 refused-nothingPending = nessun bagaglio attende un verdetto
 refused-decided = il bagaglio #{ $id } è già stato giudicato ({ $verdict }): un verdetto è definitivo
 refused-noPhoto = il bagaglio #{ $id } non ha una foto utilizzabile: rifarla, o rispondere pericolo

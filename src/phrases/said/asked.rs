@@ -2,6 +2,7 @@
 
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::asked::Asked;
+use hallsweep_core::closing::Closing;
 use hallsweep_core::command::{Carries, Command, Door, Hot, Issuer, Move, Note, TemperatureReport, Verdict};
 use hallsweep_core::units::{Celsius, LuggageId};
 
@@ -47,6 +48,13 @@ impl Language {
                     Verdict::Danger => "asked-danger",
                 });
                 return self.answer_given(&said, luggage.or(meant), note, hot);
+            }
+            Carries::Closing(Closing { name, note, .. }) => {
+                let said = named.with("name", name).to_string();
+                return note.as_ref().map_or_else(
+                    || said.clone(),
+                    |note| self.say("asked-noted").with("asked", &said).with("note", note).to_string(),
+                );
             }
             Carries::Unsure(luggage, note, hot) => return self.answer_given(&named, luggage.or(meant), note, hot),
             Carries::Strategy(strategy) => named.with("strategy", self.say_of("strategy", strategy.name())),

@@ -1,6 +1,7 @@
 //! Words for the facts of the journal; words for requests are in `asked`.
 
 use crate::phrases::{Language, Phrase};
+use hallsweep_core::closing::{Closed, OpenPoints};
 use hallsweep_core::command::{Hot, Note};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::refused::Refused;
@@ -8,6 +9,7 @@ use hallsweep_core::settings::{AfterDanger, HotRule, Rules, SafeBy};
 use hallsweep_core::snapshot::fact_words::hours;
 use hallsweep_core::state::fact::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::state::{Conditions, Phase, Retrieval, RetrievalStage, Stage};
+use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Doubt, Judgement, Luggage, PhotoState};
 
 impl Language {
@@ -100,10 +102,7 @@ impl Language {
             }
             Fact::Mark(cell, mark) => self.say("fact-cell").with("cell", cell).with("mark", self.say_of("cell", mark.name())),
             Fact::Luggage { record, .. } => return self.luggage(record),
-            Fact::Unsure { luggage, who, note, hot } => {
-                let say = self.say("fact-unsure").with("id", luggage).with("who", who);
-                return self.with_remarks(say.to_string(), *hot, note.as_ref());
-            }
+            Fact::Unsure { luggage, who, note, hot } => return self.unsure(*luggage, who, *hot, note.as_ref()),
             Fact::Judged(judgement) => return self.judged(judgement),
             Fact::Verdict { luggage, verdict, who, note, hot } if !hot.is_empty() => {
                 let say = self.say("fact-verdict").with("id", luggage).with("verdict", self.verdict(verdict.name()));
@@ -114,6 +113,7 @@ impl Language {
                 let say = say.with("id", luggage).with("verdict", self.verdict(verdict.name())).with("who", who);
                 note.as_ref().map_or_else(|| say.clone(), |note| say.clone().with("note", note))
             }
+            Fact::Closed(closed) => return self.closed(closed),
             Fact::Temperature(source, celsius) => {
                 self.say("fact-temperature").with("celsius", self.celsius(*celsius)).with("source", source)
             }
@@ -131,11 +131,13 @@ impl Language {
     pub fn judges(self, luggage: &Luggage) -> Vec<String> {
         let own = luggage.verdict.as_ref().and_then(|decision| self.hot(decision.hot));
         let others = luggage.judged.iter().map(|judgement| self.judged(judgement));
-        let unsure = luggage.unsure.iter().map(|Doubt { who, note, hot, .. }| {
-            let say = self.say("fact-unsure").with("id", luggage.id).with("who", who);
-            self.with_remarks(say.to_string(), *hot, note.as_ref())
-        });
+        let doubts = luggage.unsure.iter();
+        let unsure = doubts.map(|Doubt { who, note, hot, .. }| self.unsure(luggage.id, who, *hot, note.as_ref()));
         unsure.chain(own).chain(others).collect()
+    }
+
+    fn unsure(self, luggage: LuggageId, who: &str, hot: Hot, note: Option<&Note>) -> String {
+        self.with_remarks(self.say("fact-unsure").with("id", luggage).with("who", who).to_string(), hot, note)
     }
 
     fn judged(self, Judgement { luggage, verdict, issuer, note, hot, .. }: &Judgement) -> String {
@@ -147,6 +149,22 @@ impl Language {
     fn with_remarks(self, said: String, hot: Hot, note: Option<&Note>) -> String {
         let said = self.hot(hot).map_or_else(|| said.clone(), |hot| format!("{said} ({hot})"));
         note.map_or_else(|| said.clone(), |note| self.say("asked-noted").with("asked", &said).with("note", note).to_string())
+    }
+
+    /// Words for the statement with which a mission was closed.
+    pub fn closed(self, Closed { who, name, note, open, .. }: &Closed) -> String {
+        let said = self.say("fact-closed").with("name", name).with("who", who).to_string();
+        let said = self.with_remarks(said, Hot::NONE, note.as_ref());
+        let open = self.open_points(*open).join(", ");
+        self.say("fact-closed-open").with("closed", said).with("open", open).to_string()
+    }
+
+    /// Words for each kind of open points that there is; *none* if there is none.
+    pub fn open_points(self, open: OpenPoints) -> Vec<String> {
+        let left = open.parts().into_iter().filter(|(.., count)| *count > 0);
+        let left: Vec<String> =
+            left.map(|(kind, _, count)| self.say_of("left-open", kind).with("count", count).to_string()).collect();
+        if left.is_empty() { vec![self.say("left-open-none").to_string()] } else { left }
     }
 
     fn phase_on_record(self, phase: &Phase) -> String {

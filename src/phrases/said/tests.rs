@@ -7,6 +7,7 @@ use std::time::Duration;
 use crate::phrases::Language;
 use behaviour_trees::state::StateError;
 use hallsweep_core::asked::Asked;
+use hallsweep_core::closing::{Closed, Closing, OpenPoints};
 use hallsweep_core::command::{
     Command, Door, Hot, HotAnswer, Issuer, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict,
 };
@@ -80,6 +81,8 @@ fn commands() {
             note: note.clone(),
             hot: Hot { hidden: Some(HotAnswer::No), obvious: None, typical: Some(HotAnswer::CannotSay) },
         }));
+        let closing = Closing { name: Note::new("Anna Rossi").unwrap(), note: note.clone(), seen: 3 };
+        commands.push(Command::Close(closing));
         commands.push(Command::Unsure { luggage, note, hot: Hot { typical: Some(HotAnswer::No), ..Hot::NONE } });
     }
     let many = Asked::Many { last: Box::new(Asked::Command(Command::Start)), more: 4 };
@@ -197,6 +200,10 @@ fn the_journal() {
         });
         Fact::Luggage { record, photo: None }
     };
+    let closed = |note, open| {
+        let name = Note::new("Anna Rossi").unwrap();
+        Fact::Closed(Box::new(Closed { who: "anna".into(), name, note, open, wall: WallTime::default() }))
+    };
     let facts = vec![
         Fact::ProgramStarted("1".to_owned()),
         Fact::ProgramEnded("SIGTERM".to_owned()),
@@ -207,6 +214,12 @@ fn the_journal() {
         Fact::MissionBegan(MissionId(2), Strategy::Columns),
         Fact::MissionArchived(MissionId(2), vec![ID]),
         Fact::MissionArchived(MissionId(2), Vec::new()),
+        Fact::Unsure { luggage: ID, who: "anna".into(), note: Note::new("a shadow"), hot: Hot::NONE },
+        closed(None, OpenPoints::default()),
+        closed(
+            Note::new("handed over"),
+            OpenPoints { pending: 1, bombs: 2, places: 3, kept_out: 4, unvisited: 5, unreachable: 6 },
+        ),
         Fact::Phase(fault),
         Fact::Phase(Phase::Idle),
         Fact::Holds(Vec::new()),

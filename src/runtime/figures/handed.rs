@@ -140,6 +140,7 @@ impl CountedFact {
             | Fact::Conditions(_)
             | Fact::Judged(_)
             | Fact::Unsure { .. }
+            | Fact::Closed(_)
             | Fact::Holds(_)
             | Fact::Epoch(_)
             | Fact::Goal(..)
@@ -186,7 +187,8 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Strategy, TemperatureReport};
+    use hallsweep_core::closing::Closing;
+    use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Note, Strategy, TemperatureReport};
     use hallsweep_core::engine::Engine;
     use hallsweep_core::event::Photo;
     use hallsweep_core::refused::{Refusal, RefusalKind};
@@ -318,7 +320,7 @@ mod tests {
         assert_eq!((figures.value("luggage_total"), figures.value("photos_total")), (3.0, 3.0));
     }
 
-    fn commands() -> [Command; 14] {
+    fn commands() -> [Command; 15] {
         [
             Command::Start,
             Command::Stop,
@@ -326,6 +328,7 @@ mod tests {
             Command::GoOn,
             Command::Retrieve(None),
             Command::Reset,
+            Command::Close(Closing { name: Note::new("Anna").expect("a sound name"), note: None, seen: 0 }),
             Command::Move(Move::Forward),
             Command::Goto(Cell::HOME),
             Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None, hot: Default::default() },
@@ -346,7 +349,7 @@ mod tests {
             let times = |outcome: &str| figures.value(&format!("commands_total{{command=\"{name}\",outcome=\"{outcome}\"}}"));
             assert_eq!((times("accepted"), times("refused")), (1.0, 2.0), "{name}");
         }
-        assert_eq!(figures.value("refusals_total{code=\"held\"}"), 28.0);
+        assert_eq!(figures.value("refusals_total{code=\"held\"}"), 30.0);
     }
 
     #[test]

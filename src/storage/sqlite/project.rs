@@ -37,7 +37,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
             run(connection, sql, params![whole(luggage.0)?, journal::written_doubt(&doubt)])?;
             let sql = "UPDATE luggage SET record = json_remove(record, '$.unsure[0]')
                        WHERE id = ?1 AND json_array_length(record, '$.unsure') > ?2";
-            run(connection, sql, params![whole(luggage.0)?, whole(Luggage::MOST_VIEWS as u64)?])
+            run(connection, sql, params![whole(luggage.0)?, whole(Luggage::MOST_REMEMBERED as u64)?])
         }
         Fact::Secured(luggage) => {
             let sql = "UPDATE luggage SET record = json_set(record, '$.secured', json(?2)) WHERE id = ?1";
@@ -62,6 +62,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
         | Fact::Led(_)
         | Fact::Obstacle(..)
         | Fact::Mark(..)
+        | Fact::Closed(_)
         | Fact::Temperature(..)
         | Fact::ThermometerSilent(_)
         | Fact::AlarmRaised(..)

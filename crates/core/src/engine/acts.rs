@@ -4,6 +4,7 @@
 use std::sync::Arc;
 
 use super::Engine;
+use crate::closing::Closed;
 use crate::effect::Effect;
 use crate::hold::{Hold, HoldReason, Holds};
 use crate::mission::{Act, Input, InputContext};
@@ -54,6 +55,7 @@ impl Engine {
             Act::Acknowledge => self.acknowledge(context),
             Act::ChooseStrategy => self.choose_strategy(context),
             Act::Archive => self.archive(),
+            Act::Close => self.close_mission(context),
             Act::RetryBlocked => self.retry_blocked(),
             Act::BeginRetrieval => self.begin_retrieval(context.luggage),
             Act::EndRetrieval => self.end_retrieval(),
@@ -282,6 +284,15 @@ impl Engine {
         self.outbox.sum_up();
         self.mission.forget_way();
         self.world.touch(Resource::Mission);
+    }
+
+    /// Records the end of the search as the person in charge states it. Nothing waits for it.
+    fn close_mission(&mut self, context: &InputContext) {
+        let (Some(closing), Some(issuer)) = (&context.closing, &context.issuer) else { return };
+        let (who, name, note) = (Arc::clone(&issuer.who), closing.name.clone(), closing.note.clone());
+        let open = self.open_points(&self.state.map, &self.state.luggage);
+        self.world.touch(Resource::Mission);
+        self.record(Fact::Closed(Box::new(Closed { who, name, note, open, wall: self.now.wall })));
     }
 
     /// Marks cells that were free and later blocked as free again, because somebody may have cleared the way.

@@ -11,11 +11,11 @@ use crate::phase::{FaultCause, PhaseName};
 use crate::refused::Refused;
 use crate::search::plan::after;
 use crate::settings::{AfterDanger, HotRule, SafeBy};
-use crate::state::{Phase, Stage};
+use crate::state::{Inspection, Phase, Stage};
 use crate::units::{Cell, Epoch, LuggageId};
 use crate::world::hall_map::Mark;
 
-const NO_KEY: &str = "a verdict of safe needs two judges with keys, and CoAP has no keys: use the console, HTTP or MQTT";
+const NO_KEY: &str = "safe and unsure need a key, because two judges answer, and CoAP has no keys: use the console, HTTP or MQTT";
 
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step {
@@ -70,7 +70,8 @@ impl Engine {
             Guard::VerdictAwaited => self.verdict_awaited(phase, input).map(Refused::VerdictPending),
             Guard::VerdictPending => self.first_pending(false).map(Refused::VerdictPending),
             Guard::OperatorAsked => {
-                self.asked().filter(|id| self.stage() != Some(Stage::Viewing(*id))).map(Refused::VerdictPending)
+                let is_viewing = phase.inspection().is_some_and(Inspection::is_viewing);
+                self.asked().filter(|_| !is_viewing).map(Refused::VerdictPending)
             }
             Guard::Driving => Some(Refused::Driving),
             Guard::NotStopped => forbids(!self.state.holds.contains(Hold::Operator), Refused::NotStopped),
@@ -120,19 +121,7 @@ impl Engine {
                     self.settings.rules.hot == HotRule::Required && !context.hot.is_complete() && !self.has_answered(context);
                 context.luggage.filter(|_| is_missing).map(Refused::HotUnanswered)
             }
-            Guard::NotInspected => match context.luggage {
-                None => Some(Refused::NothingPending),
-                Some(id) if luggage.is_none() => Some(Refused::UnknownLuggage(id)),
-                Some(id) => {
-                    // The photo may have been taken when another robot searched. The present robot may stand in
-                    // another place.
-                    let is_before = phase.inspection().is_some_and(|inspection| {
-                        inspection.pose == self.state.pose || matches!(inspection.stage, Stage::Viewing(_))
-                    });
-                    let is_open = self.inspected() == Some(id) && self.decided(input, context).is_none();
-                    forbids(!is_before || !is_open, Refused::NotInspected(id))
-                }
-            },
+            Guard::NotInspected => self.not_inspected(phase, input, context),
             Guard::PhotoUnderWay => {
                 let is_under_way = matches!(self.stage(), Some(Stage::RetakingPhoto(_) | Stage::Viewing(_)));
                 forbids(is_under_way, Refused::PhotoUnderWay)
@@ -150,8 +139,27 @@ impl Engine {
                 let sensor = context.reading.as_ref().map(|(sensor, _)| sensor);
                 sensor.filter(|sensor| !self.watchdog.watches(sensor)).map(|sensor| Refused::UnknownSensor(Arc::clone(sensor)))
             }
+            Guard::OpenUnseen => {
+                let open = self.open_points(&self.state.map, &self.state.luggage);
+                let is_seen = context.closing.as_ref().is_some_and(|closing| closing.seen == open.total());
+                forbids(!is_seen, Refused::OpenPoints(open))
+            }
             Guard::FaultStands => self.fault_stands(phase).map(|cause| Refused::FaultStands(cause.clone())),
         }
+    }
+
+    /// Refuses a command about a piece that is decided or not in front of the robot.
+    fn not_inspected(&self, phase: &Phase, input: Input, context: &InputContext) -> Option<Refused> {
+        let Some(id) = context.luggage else { return Some(Refused::NothingPending) };
+        if self.state.luggage.get(id).is_none() {
+            return Some(Refused::UnknownLuggage(id));
+        }
+        // The photo may have been taken when another robot searched. The present robot may stand in another place.
+        let is_before = phase
+            .inspection()
+            .is_some_and(|inspection| inspection.pose == self.state.pose || matches!(inspection.stage, Stage::Viewing(_)));
+        let is_open = self.inspected() == Some(id) && self.decided(input, context).is_none();
+        (!is_before || !is_open).then_some(Refused::NotInspected(id))
     }
 
     /// The piece that an exploring robot waits for. In some phases only GO ON explores.
@@ -186,7 +194,6 @@ impl Engine {
             Case::BackedUp => self.stage() == Some(Stage::BackingUp) && !self.robots.searching().off_centre,
             Case::FirstPhoto => self.stage() == Some(Stage::TakingPhoto),
             Case::ThisPiece => matches!(phase, Phase::Inspecting(inspection) if inspection.luggage() == context.luggage),
-            Case::ViewsUnderWay => context.luggage.is_some_and(|id| self.stage() == Some(Stage::Viewing(id))),
             Case::SameVerdict => {
                 let verdict = context.luggage.and_then(|id| self.verdict_kept(id).or_else(|| self.mission.deciding(id)));
                 context.verdict.is_some() && verdict == context.verdict

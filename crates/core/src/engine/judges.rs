@@ -110,7 +110,7 @@ impl Engine {
         let is_own = |other: &Judgement| other.luggage == luggage && other.issuer.key() == judge.key();
         if self.judges.judgements().any(is_own) {
             self.judges.answers.retain(|answer| !is_own(&answer.judgement));
-            self.keep_back_anew();
+            self.store_judgements();
         }
     }
 
@@ -185,19 +185,28 @@ impl Engine {
     /// Stores the answers once more, after the store has failed.
     pub(super) fn keep_back_anew(&mut self) {
         if self.judges.number > 0 {
-            let answers = self.judges.judgements().cloned().collect();
-            let list = self.judges.next(answers);
-            self.outbox.keep_back(list);
+            self.store_judgements();
         }
     }
 
+    fn store_judgements(&mut self) {
+        let answers = self.judges.judgements().cloned().collect();
+        let list = self.judges.next(answers);
+        self.outbox.keep_back(list);
+    }
+
     /// Continues after a restart. Answers about pieces that have got a verdict are on record already, and answers from
-    /// another journal are about other pieces. If one judge is enough now, the others are recorded.
+    /// another journal are about other pieces. A judge who was unsure later has taken the answer back. If one judge is
+    /// enough now, the others are recorded.
     pub(super) fn recall_judgements(&mut self, kept_back: Vec<Judgement>) {
         let is_awaited = |judgement: &Judgement| {
             let piece = self.state.luggage.get(judgement.luggage);
             piece.is_some_and(|piece| {
-                piece.is_pending() && piece.first_taken <= judgement.taken && !piece.judged.contains(judgement)
+                let key = judgement.issuer.key();
+                let is_taken_back =
+                    piece.unsure.iter().any(|doubt| Issuer::key_of(&doubt.who) == &*key && doubt.wall >= judgement.wall);
+                let is_of_piece = piece.is_pending() && piece.first_taken <= judgement.taken;
+                is_of_piece && !is_taken_back && !piece.judged.contains(judgement)
             })
         };
         let answers = kept_back.into_iter().filter(is_awaited);

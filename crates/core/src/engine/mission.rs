@@ -26,6 +26,8 @@ pub(crate) struct Mission {
     pub(crate) trail: VecDeque<Cell>,
     /// Whether the robot already has the order for the present move by hand.
     pub(crate) is_driven: bool,
+    /// Number of moves on the way to the present view of a piece.
+    pub(crate) view_moves: usize,
     pub(crate) recording: Vec<Recording>,
     /// The verdicts on their way to the store, at most one for each piece.
     pub(crate) deciding: Vec<Deciding>,

@@ -9,6 +9,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use super::Engine;
+use crate::closing::Closed;
 use crate::command::Strategy;
 use crate::effect::Effect;
 use crate::hold::Hold;
@@ -16,7 +17,7 @@ use crate::phase::{FaultCause, PhaseName};
 use crate::search::Goal;
 use crate::snapshot::Refusals;
 use crate::snapshot::retrieval::RetrievalView;
-use crate::state::Phase;
+use crate::state::{Inspection, Phase};
 use crate::units::{AlarmId, Cell, LuggageId, MissionId, Revision, Seq};
 use crate::world::alarm::Alarm;
 use crate::world::hall_map::HallMap;
@@ -47,6 +48,8 @@ pub(super) struct StateView {
     pub(super) luggage: LuggageRecords,
     pub(super) alarms: Arc<[Arc<Alarm>]>,
     pub(super) retrieval: Option<Arc<RetrievalView>>,
+    pub(super) closed: Option<Arc<Closed>>,
+    pub(super) is_viewing: bool,
     pub(super) refusals: Refusals,
     emptied: u64,
 }
@@ -216,6 +219,8 @@ impl Engine {
             luggage: state.luggage.clone(),
             alarms: state.alarms.iter().map(Arc::clone).collect(),
             retrieval: self.retrieval_as_it_is(),
+            closed: self.state.closed.clone(),
+            is_viewing: self.state.phase.inspection().is_some_and(Inspection::is_viewing),
             refusals: self.refusals(),
             emptied: self.on_record.emptied,
         }

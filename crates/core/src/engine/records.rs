@@ -54,8 +54,7 @@ impl Engine {
     /// Records a new photo of a known piece. If the photo failed, an older photo stays valid.
     pub(super) fn record_retake(&mut self, context: &InputContext) {
         let Some(Stage::RetakingPhoto(id)) = self.stage() else { return };
-        let has_views = self.state.phase.inspection().is_some_and(|inspection| inspection.views > 0);
-        self.set_stage(if has_views { Stage::Viewing(id) } else { Stage::AwaitingVerdict(id) });
+        self.end_photo(id);
         let Some(known) = self.state.luggage.get(id) else { return };
         if context.photo.is_none() && known.has_photo() {
             self.world.write(self.now.wall, Tone::Warning, Said::PhotoStays(id));
@@ -203,6 +202,12 @@ impl Engine {
         self.record_state();
         self.show_from(self.outbox.written());
         for mut recording in std::mem::take(&mut self.mission.recording) {
+            // The state is recorded before this record, so the record must not lack what has happened meanwhile.
+            if let Fact::Luggage { record, .. } = &mut recording.fact
+                && let Some(known) = self.state.luggage.get(record.id)
+            {
+                *record = Arc::new(known.photographed_again(record));
+            }
             recording.seq = self.outbox.record(wall, recording.fact.clone());
             self.mission.recording.push(recording);
         }

@@ -158,7 +158,7 @@ impl Engine {
                 *phase.underlying_mut() = Phase::Exploring;
                 self.note_phase(phase);
             }
-            Some(Stage::RetakingPhoto(id)) => self.set_stage(Stage::AwaitingVerdict(id)),
+            Some(Stage::RetakingPhoto(id)) => self.end_photo(id),
             Some(Stage::Recording(_) | Stage::AwaitingVerdict(_) | Stage::Viewing(_)) | None => {}
         }
     }

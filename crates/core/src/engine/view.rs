@@ -5,6 +5,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use super::Engine;
+use crate::closing::OpenPoints;
 use crate::command::Move;
 use crate::engine::robots::Robot;
 use crate::hold::Hold;
@@ -20,6 +21,7 @@ use crate::state::{Phase, Stage};
 use crate::units::Cell;
 use crate::world::alarm::AlarmView;
 use crate::world::hall_map::{HallMap, Mark};
+use crate::world::records::LuggageRecords;
 use crate::world::resource::Resource;
 use crate::world::temperature::{TemperatureStatus, TemperatureView};
 
@@ -118,9 +120,12 @@ impl Engine {
             route: route.into(),
             trail: self.mission.trail.iter().copied().collect(),
             inspected: shown.inspected,
+            is_viewing: shown.is_viewing,
             strategy: shown.strategy,
             epoch: self.state.epoch,
             progress: self.progress(),
+            open: self.open_points(self.shown_map(), &shown.luggage),
+            closed: shown.closed.clone(),
             keep_out: self.keep_out(),
             clock_set_ms: self.state.clock_set_ms,
             refusals: self.refusals_shown(),
@@ -165,6 +170,19 @@ impl Engine {
         let reach = self.state.conditions.as_ref().and_then(|conditions| conditions.venue.reach);
         let kept_out = self.unsearched_in_rings(map);
         Progress { visited: map.visited(), unknown: map.unsearched() - kept_out, kept_out, left: self.time_left(), reach }
+    }
+
+    pub(super) fn open_points(&self, map: &HallMap, luggage: &LuggageRecords) -> OpenPoints {
+        let reach = self.state.conditions.as_ref().and_then(|conditions| conditions.venue.reach);
+        let kept_out = self.unsearched_in_rings(map);
+        OpenPoints {
+            pending: luggage.pending().count(),
+            bombs: luggage.bombs_left().count(),
+            places: map.unsearched() - kept_out,
+            kept_out,
+            unvisited: reach.map_or(0, |reach| (reach.reachable as usize).saturating_sub(map.visited())),
+            unreachable: reach.map_or(0, |reach| (reach.free - reach.reachable) as usize),
+        }
     }
 
     pub(super) fn unsearched_in_rings(&self, map: &HallMap) -> usize {

@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use crate::closing::Closing;
 use crate::command::{Command, CommandId, Hot, Issuer, LuggageRef, Move, Note, OPERATOR, Strategy, TemperatureReport, Verdict};
 use crate::event::{Obstacle, Photo};
 use crate::hold::HoldReason;
@@ -26,6 +27,7 @@ named! {
         SensorReading = "a sensor's reading",
         Retrieve = "RETRIEVE",
         Reset = "RESET",
+        Close = "close",
         Move = "move",
         Goto = "goto",
         RetakePhoto = "retake photo",
@@ -61,7 +63,7 @@ named! {
 
 impl Input {
     /// The inputs that are commands, in the order of mission §4.
-    pub(crate) const COMMANDS: [Input; 18] = *Input::ALL.first_chunk().expect("they are listed first");
+    pub(crate) const COMMANDS: [Input; 19] = *Input::ALL.first_chunk().expect("they are listed first");
 
     /// The inputs that are events, in the order in which they occur in a mission.
     pub(crate) const EVENTS: [Input; 25] = *Input::ALL.last_chunk().expect("they are listed last");
@@ -82,6 +84,7 @@ pub(crate) struct InputContext {
     pub(crate) verdict: Option<Verdict>,
     pub(crate) note: Option<Note>,
     pub(crate) hot: Hot,
+    pub(crate) closing: Option<Closing>,
     pub(crate) step: Option<Move>,
     pub(crate) cell: Option<Cell>,
     pub(crate) obstacle: Option<Obstacle>,
@@ -108,6 +111,7 @@ impl InputContext {
             Command::GoOn => (Input::GoOn, context),
             Command::Retrieve(luggage) => (Input::Retrieve, InputContext { luggage: *luggage, ..context }),
             Command::Reset => (Input::Reset, context),
+            Command::Close(closing) => (Input::Close, InputContext { closing: Some(closing.clone()), ..context }),
             Command::Move(step) => (Input::Move, InputContext { step: Some(*step), ..context }),
             Command::Goto(cell) => (Input::Goto, InputContext { cell: Some(*cell), ..context }),
             Command::Verdict { luggage, verdict, note, hot } => {

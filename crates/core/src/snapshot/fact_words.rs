@@ -4,6 +4,7 @@
 use std::fmt::Display;
 
 use crate::asked::Asked;
+use crate::closing::Closed;
 use crate::command::{Command, Hot, Verdict};
 use crate::hold::Hold;
 use crate::refused::Refused;
@@ -82,6 +83,11 @@ fn said(fact: &Fact) -> String {
             let Judgement { luggage, verdict, issuer, note, hot, .. } = &**judgement;
             let note = note.as_ref().map(|note| format!(" (note: {note})")).unwrap_or_default();
             format!("answer kept back until now: luggage #{luggage} {}, by {issuer}{}{note}", verdict.name(), answers(*hot))
+        }
+        Fact::Closed(closed) => {
+            let Closed { who, name, note, open, .. } = &**closed;
+            let note = note.as_ref().map(|note| format!(" (note: {note})")).unwrap_or_default();
+            format!("mission closed by {name}, key {who}{note}; open points: {open}")
         }
         Fact::Temperature(source, celsius) => format!("temperature {celsius}, by {source}"),
         Fact::ThermometerSilent(source) => format!("the thermometer of {source} fell silent"),

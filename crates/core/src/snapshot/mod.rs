@@ -9,6 +9,7 @@ pub mod said;
 use std::sync::Arc;
 use std::time::Duration;
 
+use crate::closing::{Closed, OpenPoints};
 use crate::command::Strategy;
 use crate::hold::Hold;
 use crate::phase::{FaultCause, PhaseName};
@@ -103,10 +104,15 @@ pub struct MissionView {
     pub trail: Arc<[Cell]>,
     /// The piece in front of the robot, once it has a number.
     pub inspected: Option<LuggageId>,
+    /// Whether the robot goes round this piece, because a judge was unsure.
+    pub is_viewing: bool,
     pub strategy: Strategy,
     /// A number that every stop increases.
     pub epoch: Epoch,
     pub progress: Progress,
+    pub open: OpenPoints,
+    /// Who has closed the mission; `None` while nobody has, and after a robot moves again.
+    pub closed: Option<Arc<Closed>>,
     /// The rings round the bombs in the hall that nobody is fetching.
     pub keep_out: KeepOut,
     /// Total of all clock changes since the mission began, in milliseconds.

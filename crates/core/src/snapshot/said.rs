@@ -108,7 +108,7 @@ impl fmt::Display for Said {
                 write!(f, "photo of luggage #{luggage} could not be taken again; the first one stays")
             }
             Said::NoOtherView(luggage) => {
-                write!(f, "luggage #{luggage} cannot be photographed from another side: no free place is near")
+                write!(f, "no further place for a photo of luggage #{luggage} can be reached")
             }
             Said::Secured(luggage) => write!(f, "luggage #{luggage} is in the container"),
             Said::NoWay(cell) => write!(f, "no way leads to {cell}"),

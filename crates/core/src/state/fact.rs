@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::{Conditions, PersistentState, Phase, Retrieval};
 use crate::asked::Asked;
+use crate::closing::Closed;
 use crate::command::{CommandId, Hot, Issuer, Note, Strategy, Verdict};
 use crate::event::Photo;
 use crate::hold::Hold;
@@ -88,6 +89,8 @@ pub enum Fact {
     },
     /// The answer of another judge, which was kept back until this entry.
     Judged(Box<Judgement>),
+    /// The person in charge has closed the mission.
+    Closed(Box<Closed>),
     Temperature(Arc<str>, Celsius),
     /// The last reading of this source no longer counts as known.
     ThermometerSilent(Arc<str>),

@@ -24,6 +24,7 @@ use super::world::alarm::{Alarm, AlarmCause};
 use super::world::hall_map::{HallMap, Mark};
 use super::world::luggage::{Decision, Doubt, Judgement, Luggage};
 use super::world::records::LuggageRecords;
+use crate::closing::Closed;
 use crate::command::{OPERATOR, Strategy};
 use crate::hold::{Hold, Holds};
 use crate::robot::RobotId;
@@ -69,6 +70,8 @@ pub struct PersistentState {
     pub last_alarm: AlarmId,
     /// The operator's last reading. It is stored because no thermometer repeats it.
     pub reading: Option<Celsius>,
+    /// Who has closed the mission; `None` after a robot moves again.
+    pub closed: Option<Arc<Closed>>,
     /// The place and the threshold of the mission; `None` if no journal has recorded them yet.
     pub conditions: Option<Conditions>,
     /// Total of all clock changes since the mission began, in milliseconds.
@@ -101,6 +104,7 @@ impl PersistentState {
             alarms: Vec::new(),
             last_alarm: AlarmId(0),
             reading: None,
+            closed: None,
             conditions: None,
             clock_set_ms: 0,
         }
@@ -133,7 +137,13 @@ impl PersistentState {
                 self.search_anew();
             }
             Fact::MissionArchived(..) => self.put_away(),
-            Fact::Phase(phase) => self.phase = phase.clone(),
+            Fact::Closed(closed) => self.closed = Some(Arc::new(Closed::clone(closed))),
+            Fact::Phase(phase) => {
+                self.phase = phase.clone();
+                if phase.is_motion() {
+                    self.closed = None;
+                }
+            }
             Fact::Holds(holds) => self.holds = holds.iter().copied().collect(),
             Fact::Epoch(epoch) => self.epoch = *epoch,
             Fact::Goal(goal, search) => (self.goal, self.search) = (*goal, search.clone()),
@@ -190,7 +200,7 @@ impl PersistentState {
 
     /// Ends the mission. Alarms that are not acknowledged stay.
     pub(crate) fn put_away(&mut self) {
-        self.under_way = false;
+        (self.under_way, self.closed) = (false, None);
         self.search_anew();
         self.luggage = LuggageRecords::default();
         self.alarms.retain(|alarm| alarm.acknowledged.is_none());
@@ -221,13 +231,12 @@ impl PersistentState {
 
     /// Stores a luggage record. If the piece is known already, only its photo is new.
     fn keep(&mut self, record: &Arc<Luggage>) {
-        let record = match self.luggage.get(record.id) {
-            Some(known) => Arc::new(known.photographed_again(record)),
-            None => Arc::clone(record),
-        };
-        self.luggage.insert(Arc::clone(&record));
         self.pieces.extend(record.piece);
         self.last_luggage = self.last_luggage.max(record.id);
+        self.luggage.insert(match self.luggage.get(record.id) {
+            Some(known) => Arc::new(known.photographed_again(record)),
+            None => Arc::clone(record),
+        });
     }
 
     /// Adjusts recorded times, as if the clock had always been set as it is now.

@@ -134,6 +134,12 @@ pub enum Stage {
 }
 
 impl Inspection {
+    /// Whether the robot goes round the piece, because a judge was unsure.
+    #[must_use]
+    pub const fn is_viewing(&self) -> bool {
+        self.views > 0 || matches!(self.stage, Stage::Viewing(_))
+    }
+
     #[must_use]
     pub const fn luggage(&self) -> Option<LuggageId> {
         match self.stage {

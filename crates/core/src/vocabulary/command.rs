@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use crate::closing::Closing;
 use crate::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
 use crate::words::is_visible;
 
@@ -72,6 +73,8 @@ pub enum Command {
     Retrieve(Option<LuggageId>),
     /// Archive the mission and return to idle.
     Reset,
+    /// The person in charge states that the search is over.
+    Close(Closing),
     Move(Move),
     Goto(Cell),
     Verdict {
@@ -102,19 +105,21 @@ pub enum Carries<'a> {
     Cell(Cell),
     Verdict(LuggageRef, Verdict, Option<&'a Note>, Hot),
     Unsure(LuggageRef, Option<&'a Note>, Hot),
+    Closing(&'a Closing),
     Strategy(Strategy),
     Temperature(&'a TemperatureReport),
 }
 
 impl Command {
     /// The codes of all commands. The journal stores these codes, so a code never changes.
-    pub const CODES: [&str; 14] = [
+    pub const CODES: [&str; 15] = [
         "start",
         "stop",
         "backHome",
         "goOn",
         "retrieve",
         "reset",
+        "close",
         "move",
         "goto",
         "verdict",
@@ -136,6 +141,7 @@ impl Command {
             Command::GoOn => "goOn",
             Command::Retrieve(_) => "retrieve",
             Command::Reset => "reset",
+            Command::Close(_) => "close",
             Command::Move(_) => "move",
             Command::Goto(_) => "goto",
             Command::Verdict { .. } => "verdict",
@@ -154,6 +160,7 @@ impl Command {
                 Carries::Nothing
             }
             Command::Retrieve(Some(id)) => Carries::Luggage(*id),
+            Command::Close(closing) => Carries::Closing(closing),
             Command::Move(step) => Carries::Move(*step),
             Command::Goto(cell) => Carries::Cell(*cell),
             Command::Verdict { luggage, verdict, note, hot } => Carries::Verdict(*luggage, *verdict, note.as_ref(), *hot),
@@ -171,6 +178,7 @@ impl Command {
             Carries::Verdict(luggage, ..) | Carries::Unsure(luggage, ..) => Some(luggage),
             Carries::Luggage(id) => Some(LuggageRef::Id(id)),
             Carries::Nothing
+            | Carries::Closing(_)
             | Carries::Alarm(_)
             | Carries::Move(_)
             | Carries::Cell(_)
@@ -191,6 +199,7 @@ impl Command {
             | Command::Move(_)
             | Command::Goto(_) => true,
             Command::Stop
+            | Command::Close(_)
             | Command::Verdict { .. }
             | Command::Unsure { .. }
             | Command::RetakePhoto(_)
@@ -211,6 +220,10 @@ impl std::fmt::Display for Command {
             Command::Retrieve(None) => f.write_str("RETRIEVE"),
             Command::Retrieve(Some(id)) => write!(f, "RETRIEVE #{id}"),
             Command::Reset => f.write_str("RESET"),
+            Command::Close(Closing { name, note, .. }) => {
+                write!(f, "close, by {name}")?;
+                note.as_ref().map_or(Ok(()), |note| write!(f, " (note: {note})"))
+            }
             Command::Move(step) => write!(f, "move {}", step.in_words()),
             Command::Goto(cell) => write!(f, "goto {cell}"),
             Command::Verdict { luggage, verdict, note, hot } => write_answer(f, verdict.name(), *luggage, note.as_ref(), *hot),
@@ -435,7 +448,11 @@ impl Issuer {
     /// sender and repeated ids are counted by this name, so nobody gets a larger limit by using several names.
     #[must_use]
     pub fn key(&self) -> Arc<str> {
-        self.who.split_once(" (").map_or_else(|| Arc::clone(&self.who), |(key, _)| Arc::from(key))
+        Arc::from(Issuer::key_of(&self.who))
+    }
+
+    pub(crate) fn key_of(who: &str) -> &str {
+        who.split_once(" (").map_or(who, |(key, _)| key)
     }
 }
 

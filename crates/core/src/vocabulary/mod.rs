@@ -3,6 +3,7 @@
 
 pub mod arm;
 pub mod asked;
+pub mod closing;
 pub mod command;
 pub mod event;
 pub mod hold;

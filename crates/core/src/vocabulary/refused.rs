@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use crate::closing::OpenPoints;
 use crate::command::{CommandId, Verdict};
 use crate::hold::Hold;
 use crate::phase::{FaultCause, PhaseName};
@@ -87,6 +88,9 @@ pub enum Refused {
     /// A retrieval was interrupted and can continue. This robot is not at the place where a new mission begins.
     #[error("{0} is not back yet: press START, so that the retrieval goes on")]
     FetcherAbroad(RobotId),
+    /// Whoever closes a mission must have seen what is left open.
+    #[error("open points: {0}; to close the mission with them, send openPoints {total}", total = .0.total())]
+    OpenPoints(OpenPoints),
     #[error("the fault still stands: {0}")]
     FaultStands(FaultCause),
     #[error("the record cannot be written, so nothing was decided: try again when the store is back")]
@@ -122,7 +126,7 @@ pub struct Refusal {
 
 /// Every code with its kind, for refusals that are read back. A test of an interface compares this list with the
 /// variants. The code of `NotOnRecord` is missing, because no command is answered with it.
-pub const CODES: [(&str, RefusalKind); 30] = {
+pub const CODES: [(&str, RefusalKind); 31] = {
     use RefusalKind::{Conflict, Forbidden, Mismatch, Unavailable, Unknown};
     [
         ("held", Conflict),
@@ -149,6 +153,7 @@ pub const CODES: [(&str, RefusalKind); 30] = {
         ("noRetrievalRobot", Conflict),
         ("fetcherUnreached", Conflict),
         ("fetcherAbroad", Conflict),
+        ("openPoints", Conflict),
         ("faultStands", Conflict),
         ("storeDown", Unavailable),
         ("notKept", Unavailable),
@@ -189,6 +194,7 @@ impl Refused {
             | Refused::NoRetrievalRobot
             | Refused::FetcherUnreached(_)
             | Refused::FetcherAbroad(_)
+            | Refused::OpenPoints(_)
             | Refused::FaultStands(_) => RefusalKind::Conflict,
         }
     }
@@ -221,6 +227,7 @@ impl Refused {
             Refused::NoRetrievalRobot => "noRetrievalRobot",
             Refused::FetcherUnreached(_) => "fetcherUnreached",
             Refused::FetcherAbroad(_) => "fetcherAbroad",
+            Refused::OpenPoints(_) => "openPoints",
             Refused::FaultStands(_) => "faultStands",
             Refused::StoreDown => "storeDown",
             Refused::NotKept => "notKept",

@@ -116,14 +116,14 @@ impl Judgement {
 
 impl Luggage {
     /// Maximum number of unsure answers, and of earlier places, that a record keeps. The journal keeps all of them.
-    pub const MOST_VIEWS: usize = 16;
+    pub const MOST_REMEMBERED: usize = 16;
 
     /// Returns the record with the photo of `later`.
     pub(crate) fn photographed_again(&self, later: &Luggage) -> Luggage {
         let mut seen_from = self.seen_from.clone();
-        if self.pose != later.pose && !seen_from.contains(&self.pose) {
+        if self.has_photo() && self.pose != later.pose && !seen_from.contains(&self.pose) {
             seen_from.push(self.pose);
-            seen_from.drain(..seen_from.len().saturating_sub(Luggage::MOST_VIEWS));
+            seen_from.drain(..seen_from.len().saturating_sub(Luggage::MOST_REMEMBERED));
         }
         let Luggage { pose, taken, photo, .. } = later.clone();
         Luggage { pose, seen_from, taken, photo, ..self.clone() }
@@ -131,7 +131,7 @@ impl Luggage {
 
     pub(crate) fn doubt(&mut self, doubt: Doubt) {
         self.unsure.push(doubt);
-        self.unsure.drain(..self.unsure.len().saturating_sub(Luggage::MOST_VIEWS));
+        self.unsure.drain(..self.unsure.len().saturating_sub(Luggage::MOST_REMEMBERED));
     }
 
     /// When the piece began to wait for its verdict. The time is corrected for later changes of the clock.

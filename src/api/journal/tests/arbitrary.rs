@@ -13,6 +13,7 @@ use crate::api::problem::refusal;
 use behaviour_trees::Value as TreeValue;
 use hallsweep_core::arm::Parcel;
 use hallsweep_core::asked::Asked;
+use hallsweep_core::closing::{Closed, OpenPoints};
 use hallsweep_core::command::{
     Command, CommandId, Hot, HotAnswer, Issuer, LuggageRef, Move, Note, Strategy as Order, TemperatureReport, Verdict,
 };
@@ -89,6 +90,7 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
             who: who.into(),
             note
         }),
+        closed().prop_map(|closed| Fact::Closed(Box::new(closed))),
         (text(), celsius()).prop_map(|(source, celsius)| Fact::Temperature(source.into(), celsius)),
         text().prop_map(|source| Fact::ThermometerSilent(source.into())),
         (any::<u64>(), option::of(any::<u64>()), alarm_cause())
@@ -97,6 +99,24 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
         Just(Fact::Strategy(Order::Snail)),
         heading().prop_map(Fact::MapEmptied),
     ]
+}
+
+fn open_points() -> impl Strategy<Value = OpenPoints> {
+    let some = || 0..100_000_usize;
+    (some(), some(), some(), some(), some(), some()).prop_map(|(pending, bombs, places, kept_out, unvisited, unreachable)| {
+        OpenPoints { pending, bombs, places, kept_out, unvisited, unreachable }
+    })
+}
+
+fn closed() -> impl Strategy<Value = Closed> {
+    let name = note().prop_map(|note| note.unwrap_or_else(|| Note::new("Anna Rossi").expect("a sound name")));
+    (text(), name, note(), open_points(), wall()).prop_map(|(who, name, note, open, wall)| Closed {
+        who: who.into(),
+        name,
+        note,
+        open,
+        wall,
+    })
 }
 
 fn conditions() -> impl Strategy<Value = Conditions> {
@@ -262,8 +282,8 @@ fn state() -> impl Strategy<Value = PersistentState> {
     let met_again = btree_map(cell(), any::<u32>().prop_map(Piece), 0..3);
     let pieces = (btree_set(any::<u32>().prop_map(Piece), 0..4), met_again);
     let world = (hall_map(), pieces, vec(luggage(), 0..4), vec(alarm(), 0..4));
-    let rest = (option::of(celsius()), option::of(conditions()));
-    (numbers, mission, world, rest).prop_map(|(numbers, mission, world, (reading, conditions))| {
+    let rest = (option::of(celsius()), option::of(conditions()), option::of(closed()));
+    (numbers, mission, world, rest).prop_map(|(numbers, mission, world, (reading, conditions, closed))| {
         let (id, under_way, epoch, last_luggage, last_alarm, led_blinking) = numbers;
         let (phase, holds, search, goal, blocked, (pose, others, (outside, retrieval))) = mission;
         let (map, (pieces, met_again), luggage, alarms) = world;
@@ -290,6 +310,7 @@ fn state() -> impl Strategy<Value = PersistentState> {
             alarms: alarms.into_iter().map(Arc::new).collect(),
             last_alarm: AlarmId(last_alarm),
             reading,
+            closed: closed.map(Arc::new),
             conditions,
             clock_set_ms: i64::try_from(epoch.0).unwrap_or(-1),
         }

@@ -27,6 +27,7 @@ pub(in crate::doors::http) struct Fields {
     hidden: Option<String>,
     obvious: Option<String>,
     typical: Option<String>,
+    open: Option<String>,
 }
 
 /// The remarks of the operator beside a verdict. They come from the query of the confirmation page (`?note=…`).
@@ -65,6 +66,10 @@ impl Fields {
                 Command::Retrieve(named.map(LuggageId))
             }
             "reset" => Command::Reset,
+            "close" => {
+                let (name, note) = (needed("name", self.name.as_deref())?, self.note.as_deref().map(one_line));
+                command::close(&one_line(name), note.as_deref(), number("open", needed("open", self.open.as_deref())?)?)?
+            }
             "move" => command::move_word(needed("move", self.word.as_deref())?)?,
             "goto" => {
                 command::goto(number("x", needed("x", self.x.as_deref())?)?, number("y", needed("y", self.y.as_deref())?)?)?
@@ -126,8 +131,11 @@ impl Fields {
 
 /// Returns the typed note as one line: each sequence of white space becomes one space.
 fn note(typed: &str) -> Result<Option<Note>, Problem> {
-    let line: Vec<&str> = typed.split_whitespace().collect();
-    Ok(command::note(&line.join(" "))?)
+    Ok(command::note(&one_line(typed))?)
+}
+
+fn one_line(typed: &str) -> String {
+    typed.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// Reads the answers to the three questions, in the order of `Hot::answers`. A form sends an empty text for a question
@@ -160,6 +168,7 @@ mod tests {
             y: Some("-2".to_owned()),
             name: Some("snail".to_owned()),
             status: None,
+            open: Some("3".to_owned()),
             luggage: Some("3".to_owned()),
             hidden: Some("no".to_owned()),
             obvious: Some("cannotSay".to_owned()),

@@ -138,6 +138,11 @@ pub(super) async fn confirm_reset(Spoken(language): Spoken) -> Html<String> {
     html(&parts::Confirm::reset(language))
 }
 
+/// `GET console/confirm/close`: lists what is left open, and asks who closes the mission.
+pub(super) async fn confirm_close(State(door): State<HttpDoor>, Spoken(language): Spoken) -> Html<String> {
+    html(&parts::CloseMission { language, open: door.handle.snapshot().mission.open })
+}
+
 async fn whole(door: &HttpDoor, to: &PageReader, why: Option<Why>) -> Html<String> {
     let snapshot = door.handle.snapshot();
     let began = began::began(door, snapshot.mission.id).await;

@@ -19,6 +19,7 @@ use crate::api::time::rfc3339;
 use crate::phrases::{Language, Phrase};
 use behaviour_trees::Status;
 use hallsweep_core::arm::ArmState;
+use hallsweep_core::closing::OpenPoints;
 use hallsweep_core::command::{Hot, HotAnswer, Note, Strategy};
 use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::phase::PhaseName;
@@ -161,6 +162,13 @@ impl Confirm {
     }
 }
 
+#[derive(Template)]
+#[template(path = "console/closing.html")]
+pub(super) struct CloseMission {
+    pub(super) language: Language,
+    pub(super) open: OpenPoints,
+}
+
 macro_rules! parts {
     ($($name:ident $path:literal)*) => {$(
         #[derive(Template)]
@@ -233,8 +241,12 @@ impl Inspect<'_> {
         self.v.snapshot.mission.inspected == Some(luggage.id)
     }
 
-    fn is_photographed(&self, luggage: &Luggage) -> bool {
-        self.is_before_robot(luggage) && self.v.snapshot.mission.refusals.retake == Some(Refused::PhotoUnderWay)
+    fn latest_take(&self, luggage: &Luggage) -> u32 {
+        luggage.take().unwrap_or_default()
+    }
+
+    fn is_viewed(&self, luggage: &Luggage) -> bool {
+        self.is_before_robot(luggage) && self.v.snapshot.mission.is_viewing
     }
 }
 

@@ -321,6 +321,22 @@ impl View<'_> {
         }
     }
 
+    /// Whether the mission can be closed now.
+    pub(super) fn may_close(&self) -> bool {
+        let rests = matches!(
+            self.snapshot.mission.phase,
+            PhaseName::AtHome | PhaseName::BombLocated | PhaseName::BagSecured | PhaseName::Explored | PhaseName::Fault
+        );
+        rests && self.then.is_none()
+    }
+
+    /// Returns who has closed the mission, and when.
+    pub(super) fn closed(&self) -> Option<String> {
+        let closed = self.snapshot.mission.closed.as_ref()?;
+        let say = self.say("closed-by").with("name", &closed.name).with("time", self.zone().clock_time(closed.wall));
+        Some(say.to_string())
+    }
+
     /// Whether the search can go on from here after a find: a bomb was found, and known places are not searched.
     pub(super) fn offers_go_on(&self) -> bool {
         let mission = &self.snapshot.mission;

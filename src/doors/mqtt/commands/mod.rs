@@ -142,10 +142,11 @@ impl Commands {
         if self.is_confidential(heard, &parsed) { Taken::InConfidence } else { Taken::Taken }
     }
 
-    /// Whether nobody else may read the message: it is a verdict, or may be one that is written wrongly.
+    /// Whether nobody else may read the message: it is an answer about a piece, or may be one that is written wrongly.
     fn is_confidential(&self, heard: &IncomingMessage<'_>, parsed: &ParsedCommand) -> bool {
         let tells = || tells_of_verdict(heard.topic) || tells_of_verdict(&String::from_utf8_lossy(heard.payload));
-        self.keeps_verdicts && (matches!(parsed.asked, Ok((Command::Verdict { .. }, _))) || parsed.asked.is_err() && tells())
+        let is_answer = matches!(parsed.asked, Ok((Command::Verdict { .. } | Command::Unsure { .. }, _)));
+        self.keeps_verdicts && (is_answer || parsed.asked.is_err() && tells())
     }
 
     /// Halts the robot if a message names STOP, whatever else is wrong with the message (safety S8). Returns whether

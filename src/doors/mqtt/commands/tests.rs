@@ -7,6 +7,7 @@ use super::*;
 use crate::api::commands::COMMANDS;
 use crate::api::tests::fixture::{degrees, searching};
 use hallsweep_core::asked::Asked;
+use hallsweep_core::closing::Closing;
 use hallsweep_core::command::{LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
 use hallsweep_core::refused::Refused;
 use hallsweep_core::units::{AlarmId, Cell, LuggageId};
@@ -28,6 +29,8 @@ fn all_commands() -> Vec<(&'static str, &'static str, Command)> {
         hot: Default::default(),
     };
     let temperature = Command::Temperature;
+    let closing = |seen| Command::Close(Closing { name: Note::new("Anna Rossi").unwrap(), note: None, seen });
+    let unsure = Command::Unsure { luggage: LuggageRef::Id(LuggageId(3)), note: None, hot: Default::default() };
     vec![
         ("start", "", Command::Start),
         ("start", " \r\n", Command::Start),
@@ -38,12 +41,15 @@ fn all_commands() -> Vec<(&'static str, &'static str, Command)> {
         ("retrieve", r#"{"epoch":4}"#, Command::Retrieve(None)),
         ("retrieve", r#"{"luggage":3}"#, Command::Retrieve(Some(LuggageId(3)))),
         ("reset", "", Command::Reset),
+        ("close", r#"{"name":"Anna Rossi","openPoints":3}"#, closing(3)),
+        ("close", r#"{"name":" Anna Rossi ","note":null}"#, closing(0)),
         ("move", r#"{"move":"w"}"#, Command::Move(Move::Forward)),
         ("move", r#"{"move":"h"}"#, Command::Stop),
         ("goto", r#"{"x":4,"y":-2}"#, Command::Goto(Cell::new(4, -2))),
         ("verdict", r#"{"luggage":3,"verdict":"safe"}"#, verdict(Verdict::Safe)),
         ("verdict", r#"{"luggage":3,"verdict":"safe","note":"red"}"#, noted),
         ("verdict", r#"{"verdict":"danger","luggage":3}"#, verdict(Verdict::Danger)),
+        ("verdict", r#"{"verdict":"unsure","luggage":3}"#, unsure),
         ("retake", r#"{"luggage":3}"#, Command::RetakePhoto(LuggageId(3))),
         ("acknowledge", r#"{"alarm":2}"#, Command::Acknowledge(AlarmId(2))),
         ("strategy", r#"{"name":"snail"}"#, Command::ChooseStrategy(Strategy::Snail)),

@@ -9,7 +9,7 @@ use crate::api::journal::tests::arbitrary;
 use crate::api::journal_words;
 use crate::runtime::archive::{Sound, Span, Unreadable};
 use hallsweep_core::asked::Asked;
-use hallsweep_core::command::{Command, CommandId, LuggageRef, Strategy as Order, Verdict};
+use hallsweep_core::command::{Command, CommandId, Hot, HotAnswer, LuggageRef, Note, Strategy as Order, Verdict};
 use hallsweep_core::engine::{IDS, Recalled};
 use hallsweep_core::snapshot::log::Tone;
 use hallsweep_core::state::PersistentState;
@@ -180,6 +180,35 @@ fn the_tables_are_rebuilt_from_the_journal() {
     check_finds(&scratch, &["the table missions", "the table luggage"]);
     assert_eq!(rebuild(&scratch.data()), Ok(4));
     check_finds(&scratch, &[]);
+}
+
+/// The table keeps the latest answers of unsure judges, as the state does, and so does a table that is rebuilt.
+#[test]
+fn who_was_unsure_is_in_the_table_as_in_the_state() {
+    let scratch = Scratch::new();
+    let mut scribe = Scribe::new(scratch.open());
+    let doubt = |n: usize| Fact::Unsure {
+        luggage: LuggageId(1),
+        who: format!("judge {n}").into(),
+        note: Note::new("a shadow").filter(|_| n.is_multiple_of(2)),
+        hot: Hot { hidden: Some(HotAnswer::CannotSay), ..Hot::NONE },
+    };
+    let pages = [[begin(1), vec![found(1, Some(photo("bag")))]].concat(), (0..20).map(doubt).collect()];
+    let entries: Vec<Entry> = pages.iter().flatten().cloned().map(at_noon).collect();
+    for page in pages {
+        scribe.keep(page);
+    }
+    let expected = fold(&entries).luggage.get(LuggageId(1)).expect("it was found").unsure.clone();
+    assert_eq!((expected.len(), &*expected[0].who), (16, "judge 4"));
+    let shown = |scribe: &Scribe| scribe.opened.archive.luggage(LuggageId(1)).unwrap().expect("it is there").unsure;
+    assert_eq!(shown(&scribe), expected);
+    drop(scribe);
+    check_finds(&scratch, &[]);
+    meddle(&scratch, "UPDATE luggage SET record = json_remove(record, '$.unsure')");
+    check_finds(&scratch, &["the table luggage"]);
+    rebuild(&scratch.data()).unwrap();
+    check_finds(&scratch, &[]);
+    assert_eq!(shown(&Scribe::new(scratch.open())), expected);
 }
 
 #[test]

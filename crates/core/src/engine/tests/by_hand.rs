@@ -9,7 +9,7 @@ use crate::world::hall_map::Mark;
 
 /// The commands that have a column in the tables below. The other commands are accepted in every phase and do not
 /// change the phase: OK, a reading, a sensor's reading and the acknowledgement of an alarm.
-const COLUMNS: [Input; 14] = [
+const COLUMNS: [Input; 15] = [
     Input::Start,
     Input::Stop,
     Input::BackHome,
@@ -20,6 +20,7 @@ const COLUMNS: [Input; 14] = [
     Input::TemperatureTooHigh,
     Input::Retrieve,
     Input::Reset,
+    Input::Close,
     Input::Move,
     Input::Goto,
     Input::RetakePhoto,
@@ -30,34 +31,34 @@ const COLUMNS: [Input; 14] = [
 /// name is the new phase after all records are stored, and `!` is a refusal. In `a/b`, `a` is the outcome without a
 /// hold, and `b` the outcome after STOP.
 const PENDING: &str = "
-    id ex  .  !np !np .  .  !ni .  !np !vp     dr     dr     !np .
-    ex !vp .  rh  !vp .  ra !ni .  !np !mv/!vp !ns/dr !ns/dr !np !np
-    in !vp .  rh  !vp ex ra .   .  !np !vp     !np    !np    .   !np
-    dr !dr ex !dr !dr .  .  !ni ex !np !mv     !dr    !dr    !np !np
-    rh .   .  .   !np .  ra !ni .  !np !mv/!vp !ns/dr !ns/dr !np !np
-    ah !vp .  .   !vp .  bl !ni .  !np !vp     dr     dr     !np !np
-    ra .   .  !np !np .  .  !ni .  !np !mv/!vp !ns/dr !ns/dr !np !np
-    bl !np .  !np !vp .  .  !ni .  !nr !vp     !np    !np    !np !np
-    re .   .  !np !np .  .  !ni .  !np !mv/!vp !np    !np    !np !np
-    bs !vp .  !np !vp .  bl !ni .  !np !vp     !np    !np    !np .
-    ed !vp .  !np !np .  bl !ni .  !np !vp     !np    !np    !np .
-    fa !vp .  !np !np .  .  !ni .  !np !vp     !np    !np    !np !np
+    id ex  .  !np !np .  .  !ni .  !np !vp     !np dr     dr     !np .
+    ex !vp .  rh  !vp .  ra !ni .  !np !mv/!vp !np !ns/dr !ns/dr !np !np
+    in !vp .  rh  !vp ex ra .   .  !np !vp     !np !np    !np    .   !np
+    dr !dr ex !dr !dr .  .  !ni ex !np !mv     !np !dr    !dr    !np !np
+    rh .   .  .   !np .  ra !ni .  !np !mv/!vp !np !ns/dr !ns/dr !np !np
+    ah !vp .  .   !vp .  bl !ni .  !np !vp     .   dr     dr     !np !np
+    ra .   .  !np !np .  .  !ni .  !np !mv/!vp !np !ns/dr !ns/dr !np !np
+    bl !np .  !np !vp .  .  !ni .  !nr !vp     .   !np    !np    !np !np
+    re .   .  !np !np .  .  !ni .  !np !mv/!vp !np !np    !np    !np !np
+    bs !vp .  !np !vp .  bl !ni .  !np !vp     .   !np    !np    !np .
+    ed !vp .  !np !np .  bl !ni .  !np !vp     .   !np    !np    !np .
+    fa !vp .  !np !np .  .  !ni .  !np !vp     .   !np    !np    !np !np
 ";
 
 /// Like `PENDING`, but the verdict on this piece is safe.
 const DECIDED: &str = "
-    id ex  .  !np !np . !de !ni .  !np .      dr     dr     !np .
-    ex .   .  rh  .   . !de !ni .  !np !mv/id !ns/dr !ns/dr !np !np
-    in .   .  rh  .   . !de !ni .  !np id     !np    !np    !ni !np
-    dr !dr ex !dr !dr . !de !ni ex !np !mv    !dr    !dr    !np !np
-    rh .   .  .   !np . !de !ni .  !np !mv/id !ns/dr !ns/dr !np !np
-    ah ex  .  .   ex  . !de !ni .  !np id     dr     dr     !np !np
-    ra .   .  !np !np . !de !ni .  !np !mv/id !ns/dr !ns/dr !np !np
-    bl !np .  !np ex  . !de !ni .  !nr id     !np    !np    !np !np
-    re .   .  !np !np . !de !ni .  !np !mv/id !np    !np    !np !np
-    bs ex  .  !np ex  . !de !ni .  !np id     !np    !np    !np .
-    ed ex  .  !np !np . !de !ni .  !np id     !np    !np    !np .
-    fa ex  .  !np !np . !de !ni .  !np id     !np    !np    !np !np
+    id ex  .  !np !np . !de !de .  !np .      !np dr     dr     !np .
+    ex .   .  rh  .   . !de !de .  !np !mv/id !np !ns/dr !ns/dr !np !np
+    in .   .  rh  .   . !de !de .  !np id     !np !np    !np    !ni !np
+    dr !dr ex !dr !dr . !de !de ex !np !mv    !np !dr    !dr    !np !np
+    rh .   .  .   !np . !de !de .  !np !mv/id !np !ns/dr !ns/dr !np !np
+    ah ex  .  .   ex  . !de !de .  !np id     .   dr     dr     !np !np
+    ra .   .  !np !np . !de !de .  !np !mv/id !np !ns/dr !ns/dr !np !np
+    bl !np .  !np ex  . !de !de .  !nr id     .   !np    !np    !np !np
+    re .   .  !np !np . !de !de .  !np !mv/id !np !np    !np    !np !np
+    bs ex  .  !np ex  . !de !de .  !np id     .   !np    !np    !np .
+    ed ex  .  !np !np . !de !de .  !np id     .   !np    !np    !np .
+    fa ex  .  !np !np . !de !de .  !np id     .   !np    !np    !np !np
 ";
 
 /// The events that lead from one phase to another. In all other phases, these events change nothing.
@@ -155,7 +156,8 @@ fn expected(table: &'static str, phase: PhaseName, input: Input, holds: &[Hold])
     let stopped = meant(cell(table, phase, input, true), phase);
     let moves = [Input::Start, Input::BackHome, Input::GoOn, Input::Retrieve, Input::Move, Input::Goto].contains(&input);
     let recorded = [Input::Safe, Input::Danger, Input::TemperatureOk, Input::TemperatureTooHigh, Input::Reading, Input::Reset];
-    let recorded = recorded.contains(&input) || [Input::Acknowledge, Input::Strategy, Input::Unsure].contains(&input);
+    let recorded =
+        recorded.contains(&input) || [Input::Acknowledge, Input::Strategy, Input::Unsure, Input::Close].contains(&input);
     let repeat = input == Input::Safe && table == DECIDED;
     match holds {
         [] => meant(cell(table, phase, input, false), phase),
@@ -233,7 +235,11 @@ fn check_command(table: &'static str, name: PhaseName, input: Input, holds: &'st
     let pair = format!("{name:?} × {input:?} under {holds:?}, {}", if table == DECIDED { "decided" } else { "pending" });
     let mut engine = moment(name, table, holds);
     let before = engine.clone();
-    let request = Request::new(command(input).expect("every input of COMMANDS is a command"), Issuer::operator(Door::LOCAL));
+    let mut command = command(input).expect("every input of COMMANDS is a command");
+    if let Command::Close(closing) = &mut command {
+        closing.seen = before.open_points(&before.state.map, &before.state.luggage).total();
+    }
+    let request = Request::new(command, Issuer::operator(Door::LOCAL));
     let answer = engine.handle_command(request, now(1)).map_err(|refused| refused.code());
     let moves = settle(&mut engine).into_iter().any(Action::is_motion);
     assert!(!moves || engine.state.holds.is_empty(), "{pair}: moved while held");
@@ -272,6 +278,7 @@ fn check_effects(before: &Engine, after: &Engine, input: Input, table: &str, pai
         Input::Safe => assert_eq!(verdict, Some(Verdict::Safe), "{pair}"),
         Input::Danger => assert_eq!(verdict, Some(Verdict::Danger), "{pair}"),
         Input::Unsure => assert_eq!(after.state.luggage[0].unsure.len(), 1, "{pair}"),
+        Input::Close => assert!(after.state.closed.is_some(), "{pair}"),
         Input::Acknowledge => assert!(after.state.alarms[0].acknowledged.is_some(), "{pair}"),
         Input::Reading | Input::SensorReading => assert!(after.world.thermometer.last.is_some(), "{pair}"),
         Input::RetakePhoto => assert_eq!(after.stage(), Some(Stage::RetakingPhoto(LuggageId(1))), "{pair}"),

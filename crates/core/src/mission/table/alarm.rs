@@ -3,7 +3,7 @@
 
 use super::everywhere::{PhaseEvent, PhaseInput};
 use super::shared::{
-    ANOTHER_DANGER, CHOOSE, DANGER_AT_HOME, DRIVE_IF_STOPPED, EXPLORE_AGAIN, INTO_FAULT, NOT_HERE, NOTHING, RESUME,
+    ANOTHER_DANGER, CHOOSE, CLOSE, DANGER_AT_HOME, DRIVE_IF_STOPPED, EXPLORE_AGAIN, INTO_FAULT, NOT_HERE, NOTHING, RESUME,
     RETAKE_ELSEWHERE, SEARCH_ON, going_home, waiting,
 };
 use crate::mission::rule::Act::{BeginRetrieval, EndRetrieval, Release, RetryBlocked};
@@ -15,7 +15,7 @@ use crate::phase::PhaseName;
 pub(super) const fn returning_with_alarm(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start => RESUME,
-        PhaseInput::BackHome | PhaseInput::GoOn | PhaseInput::Retrieve | PhaseInput::Strategy => NOT_HERE,
+        PhaseInput::BackHome | PhaseInput::GoOn | PhaseInput::Retrieve | PhaseInput::Strategy | PhaseInput::Close => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Move | PhaseInput::Goto => DRIVE_IF_STOPPED,
         PhaseInput::Event(event) => going_home(event, &[Go(Phase(PhaseName::BombLocated), &[])], ANOTHER_DANGER),
@@ -26,6 +26,7 @@ pub(super) const fn bomb_located(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start | PhaseInput::BackHome | PhaseInput::Move | PhaseInput::Goto | PhaseInput::Strategy => NOT_HERE,
         PhaseInput::GoOn => SEARCH_ON,
+        PhaseInput::Close => CLOSE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Retrieve => &[
             RefuseIf(Guard::Held),
@@ -46,7 +47,8 @@ pub(super) const fn retrieving(input: PhaseInput) -> &'static [Rule] {
         | PhaseInput::Retrieve
         | PhaseInput::Move
         | PhaseInput::Goto
-        | PhaseInput::Strategy => NOT_HERE,
+        | PhaseInput::Strategy
+        | PhaseInput::Close => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Event(PhaseEvent::Secured) => &[
             When(Case::BombLeft, Phase(PhaseName::BombLocated), &[EndRetrieval]),
@@ -65,6 +67,7 @@ pub(super) const fn bag_secured(input: PhaseInput) -> &'static [Rule] {
         PhaseInput::BackHome | PhaseInput::Retrieve | PhaseInput::Move | PhaseInput::Goto => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Strategy => CHOOSE,
+        PhaseInput::Close => CLOSE,
         PhaseInput::Event(event) => waiting(event, DANGER_AT_HOME),
     }
 }
@@ -83,6 +86,7 @@ pub(super) const fn fault(input: PhaseInput) -> &'static [Rule] {
         | PhaseInput::Move
         | PhaseInput::Goto
         | PhaseInput::Strategy => NOT_HERE,
+        PhaseInput::Close => CLOSE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Event(event) => match event {
             PhaseEvent::Done

@@ -34,6 +34,7 @@ pub(in crate::mission) enum PhaseInput {
     Goto,
     RetakePhoto,
     Strategy,
+    Close,
     Event(PhaseEvent),
 }
 
@@ -77,9 +78,9 @@ const DANGER: &[Rule] = &[
 ];
 const UNSURE: &[Rule] = &[
     RefuseIf(Guard::UnknownLuggage),
-    When(Case::ViewsUnderWay, Stay, &[]),
+    RefuseIf(Guard::Decided),
+    RefuseIf(Guard::NoKey),
     RefuseIf(Guard::NotInspected),
-    RefuseIf(Guard::PhotoUnderWay),
     RefuseIf(Guard::StoreDown),
     Go(Stay, &[RecordUnsure]),
 ];
@@ -146,6 +147,7 @@ pub(in crate::mission) const fn row(input: Input) -> InputRow {
         Input::Goto => ByPhase(PhaseInput::Goto),
         Input::RetakePhoto => ByPhase(PhaseInput::RetakePhoto),
         Input::Strategy => ByPhase(PhaseInput::Strategy),
+        Input::Close => ByPhase(PhaseInput::Close),
         Input::Done => event(PhaseEvent::Done),
         Input::Blocked => event(PhaseEvent::Blocked),
         Input::AtPiece => event(PhaseEvent::AtPiece),

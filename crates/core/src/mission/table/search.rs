@@ -3,8 +3,8 @@
 
 use super::everywhere::{PhaseEvent, PhaseInput};
 use super::shared::{
-    ANOTHER_DANGER, CHOOSE, DANGER_AT_HOME, DANGER_ON_THE_WAY, DRIVE, DRIVE_IF_STOPPED, EXPLORE_AGAIN, EXPLORE_ON, GO_HOME,
-    INTO_FAULT, NOT_HERE, NOTHING, RECORDED, RESUME, RETAKE_ELSEWHERE, going_home, waiting,
+    ANOTHER_DANGER, CHOOSE, CLOSE, DANGER_AT_HOME, DANGER_ON_THE_WAY, DRIVE, DRIVE_IF_STOPPED, EXPLORE_AGAIN, EXPLORE_ON,
+    GO_HOME, INTO_FAULT, NOT_HERE, NOTHING, RECORDED, RESUME, RETAKE_ELSEWHERE, going_home, waiting,
 };
 use crate::hold::Hold;
 use crate::mission::rule::Act::{AlarmDanger, Begin, FacePiece, LedOff, Raise, RecordPiece, RecordRetake, Release, Retake};
@@ -16,7 +16,7 @@ use crate::phase::PhaseName;
 pub(super) const fn idle(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start => &[RefuseIf(Guard::Held), Go(Phase(PhaseName::Exploring), &[Release, Begin])],
-        PhaseInput::BackHome | PhaseInput::GoOn | PhaseInput::Retrieve => NOT_HERE,
+        PhaseInput::BackHome | PhaseInput::GoOn | PhaseInput::Retrieve | PhaseInput::Close => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Move | PhaseInput::Goto => DRIVE,
         PhaseInput::Strategy => CHOOSE,
@@ -28,7 +28,7 @@ pub(super) const fn exploring(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start | PhaseInput::GoOn => EXPLORE_ON,
         PhaseInput::BackHome => GO_HOME,
-        PhaseInput::Retrieve | PhaseInput::Strategy => NOT_HERE,
+        PhaseInput::Retrieve | PhaseInput::Strategy | PhaseInput::Close => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Move | PhaseInput::Goto => DRIVE_IF_STOPPED,
         PhaseInput::Event(event) => match event {
@@ -58,7 +58,7 @@ pub(super) const fn inspecting(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start | PhaseInput::GoOn => &[RefuseIf(Guard::Held), RefuseIf(Guard::OperatorAsked), Go(Stay, &[Release])],
         PhaseInput::BackHome => GO_HOME,
-        PhaseInput::Retrieve | PhaseInput::Move | PhaseInput::Goto | PhaseInput::Strategy => NOT_HERE,
+        PhaseInput::Retrieve | PhaseInput::Move | PhaseInput::Goto | PhaseInput::Strategy | PhaseInput::Close => NOT_HERE,
         PhaseInput::RetakePhoto => {
             &[RefuseIf(Guard::NotInspected), RefuseIf(Guard::PhotoUnderWay), RefuseIf(Guard::PhotoHeld), Go(Stay, &[Retake])]
         }
@@ -93,7 +93,7 @@ pub(super) const fn driving(input: PhaseInput) -> &'static [Rule] {
         PhaseInput::Start | PhaseInput::BackHome | PhaseInput::GoOn | PhaseInput::Move | PhaseInput::Goto => {
             &[Never(Guard::Driving)]
         }
-        PhaseInput::Retrieve | PhaseInput::Strategy => NOT_HERE,
+        PhaseInput::Retrieve | PhaseInput::Strategy | PhaseInput::Close => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Event(event) => match event {
             PhaseEvent::Done
@@ -118,7 +118,7 @@ pub(super) const fn driving(input: PhaseInput) -> &'static [Rule] {
 pub(super) const fn returning_home(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start | PhaseInput::BackHome => RESUME,
-        PhaseInput::GoOn | PhaseInput::Retrieve | PhaseInput::Strategy => NOT_HERE,
+        PhaseInput::GoOn | PhaseInput::Retrieve | PhaseInput::Strategy | PhaseInput::Close => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Move | PhaseInput::Goto => DRIVE_IF_STOPPED,
         PhaseInput::Event(event) => going_home(
@@ -136,6 +136,7 @@ pub(super) const fn at_home(input: PhaseInput) -> &'static [Rule] {
         }
         PhaseInput::BackHome => RESUME,
         PhaseInput::Retrieve | PhaseInput::Strategy => NOT_HERE,
+        PhaseInput::Close => CLOSE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Move | PhaseInput::Goto => DRIVE,
         PhaseInput::Event(event) => waiting(event, DANGER_AT_HOME),
@@ -148,6 +149,7 @@ pub(super) const fn explored(input: PhaseInput) -> &'static [Rule] {
         PhaseInput::BackHome | PhaseInput::GoOn | PhaseInput::Retrieve | PhaseInput::Move | PhaseInput::Goto => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Strategy => CHOOSE,
+        PhaseInput::Close => CLOSE,
         PhaseInput::Event(event) => waiting(event, DANGER_AT_HOME),
     }
 }

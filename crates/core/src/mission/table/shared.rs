@@ -3,7 +3,7 @@
 
 use super::everywhere::PhaseEvent;
 use crate::mission::rule::Act::{
-    AlarmDanger, Archive, AskOperator, Begin, ChooseStrategy, EmptyMap, EndSearch, LedOff, LedOn, Release,
+    AlarmDanger, Archive, AskOperator, Begin, ChooseStrategy, Close, EmptyMap, EndSearch, LedOff, LedOn, Release,
 };
 use crate::mission::rule::Rule::{Go, Never, RefuseIf, When};
 use crate::mission::rule::To::{Phase, Stay};
@@ -39,6 +39,7 @@ pub(super) const DRIVE_IF_STOPPED: &[Rule] = &[
     RefuseIf(Guard::IntoObstacle),
     Go(Phase(PhaseName::Driving), &[Release]),
 ];
+pub(super) const CLOSE: &[Rule] = &[RefuseIf(Guard::OpenUnseen), RefuseIf(Guard::StoreDown), Go(Stay, &[Close])];
 pub(super) const CHOOSE: &[Rule] = &[RefuseIf(Guard::StoreDown), Go(Stay, &[ChooseStrategy])];
 pub(super) const RECORDED: &[Rule] = &[Go(Stay, &[AskOperator])];
 pub(super) const ANOTHER_DANGER: &[Rule] = &[Go(Stay, &[EndSearch, AlarmDanger])];

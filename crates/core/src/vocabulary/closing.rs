@@ -1,0 +1,73 @@
+//! The end of a search as the person in charge states it, and what is left open then. Nobody can say that there is no
+//! bomb, so a mission ends with a signed statement.
+
+use std::fmt;
+use std::sync::Arc;
+
+use crate::command::Note;
+use crate::units::WallTime;
+
+/// The command *close*.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Closing {
+    /// The person in charge.
+    pub name: Note,
+    pub note: Option<Note>,
+    /// The total of open points that the sender has seen.
+    pub seen: usize,
+}
+
+/// A mission that was closed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Closed {
+    pub who: Arc<str>,
+    pub name: Note,
+    pub note: Option<Note>,
+    pub open: OpenPoints,
+    pub wall: WallTime,
+}
+
+/// Numbers of what is left open in a mission.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct OpenPoints {
+    pub pending: usize,
+    pub bombs: usize,
+    /// Known places that were not searched: unknown cells beside visited ones, and obstacles that are not inspected.
+    pub places: usize,
+    /// Such places inside keep-out rings.
+    pub kept_out: usize,
+    /// Cells that can be reached but were not visited, if the hall is known beforehand.
+    pub unvisited: usize,
+    /// Free cells that cannot be reached from the start, if the hall is known beforehand.
+    pub unreachable: usize,
+}
+
+impl OpenPoints {
+    /// Returns the numbers by kind, each with its name and its English words.
+    #[must_use]
+    pub const fn parts(self) -> [(&'static str, &'static str, usize); 6] {
+        [
+            ("pending", "pieces without a verdict", self.pending),
+            ("bombs", "bombs in the hall", self.bombs),
+            ("places", "known places not searched", self.places),
+            ("keptOut", "places inside keep-out rings", self.kept_out),
+            ("unvisited", "cells never visited", self.unvisited),
+            ("unreachable", "cells that cannot be reached", self.unreachable),
+        ]
+    }
+
+    #[must_use]
+    pub fn total(self) -> usize {
+        self.parts().iter().map(|(.., count)| count).sum()
+    }
+}
+
+impl fmt::Display for OpenPoints {
+    /// Example: `pieces without a verdict: 1, cells never visited: 12`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let left: Vec<String> =
+            self.parts().iter().filter(|part| part.2 > 0).map(|(_, words, n)| format!("{words}: {n}")).collect();
+        f.write_str(if left.is_empty() { "none" } else { "" })?;
+        f.write_str(&left.join(", "))
+    }
+}
