@@ -38,7 +38,7 @@ pub struct RetrieveBody {
     epoch: Option<u64>,
 }
 
-/// Statement of the person in charge, as `{"name":"Anna Rossi","note":"handed over","openPoints":3}`.
+/// Statement of the person in charge, as `{"name":"Anna Rossi","openPoints":"7:0,1,21,0,111,0"}`.
 #[derive(Clone, Debug, JsonSchema)]
 #[schemars(deny_unknown_fields, rename_all = "camelCase")]
 pub struct CloseBody {
@@ -48,9 +48,10 @@ pub struct CloseBody {
     /// Remark, in one line of visible characters.
     #[schemars(length(max = Note::MOST), regex(pattern = VISIBLE))]
     note: Option<String>,
-    /// Number of open points that the sender has seen; 0 if absent. The refusal `openPoints` names them.
-    #[schemars(range(max = u64::MAX))]
-    open_points: Option<u64>,
+    /// Mission and open points that the sender has seen. May be absent if nothing is open. The refusal `openPoints` has
+    /// the text to send.
+    #[schemars(length(max = OPEN_POINTS))]
+    open_points: Option<String>,
 }
 
 /// One move by hand, as `{"move":"w"}`.
@@ -114,6 +115,9 @@ pub struct StrategyBody {
     #[schemars(with = "vocabulary::StrategyName")]
     name: String,
 }
+
+/// Maximum length of the text that names a mission and its open points, in bytes. Seven numbers fit.
+const OPEN_POINTS: usize = 160;
 
 /// The characters that `is_visible` allows, as a regular expression for clients. Blanks at both ends are allowed,
 /// because `note` removes blanks there.
@@ -182,7 +186,7 @@ impl Body for CloseBody {
 
     fn taken(fields: &BodyFields) -> Result<CloseBody, Unusable> {
         let name = needed(fields.text("name")?, "name", "{\"name\":\"Anna Rossi\"}")?;
-        Ok(CloseBody { name, note: fields.text("note")?, open_points: fields.count("openPoints")? })
+        Ok(CloseBody { name, note: fields.text("note")?, open_points: fields.text("openPoints")? })
     }
 }
 
@@ -244,7 +248,7 @@ impl RetrieveBody {
 
 impl CloseBody {
     pub fn command(&self) -> Result<Command, Unusable> {
-        close(&self.name, self.note.as_deref(), self.open_points.unwrap_or(0))
+        close(&self.name, self.note.as_deref(), self.open_points.as_deref().unwrap_or_default())
     }
 }
 
@@ -338,10 +342,12 @@ pub fn note(text: &str) -> Result<Option<Note>, Unusable> {
 }
 
 /// Reads the statement of the person in charge.
-pub fn close(name: &str, note_of: Option<&str>, open: u64) -> Result<Command, Unusable> {
+pub fn close(name: &str, note_of: Option<&str>, open: &str) -> Result<Command, Unusable> {
     let name = note(name)?.ok_or_else(|| Unusable("the name is empty: write the name of the person in charge".to_owned()))?;
-    let seen = usize::try_from(open).unwrap_or(usize::MAX);
-    Ok(Command::Close(Closing { name, note: note_of.map(note).transpose()?.flatten(), seen }))
+    if open.len() > OPEN_POINTS {
+        return Err(Unusable(format!("openPoints has {} bytes: send the text of the refusal openPoints", open.len())));
+    }
+    Ok(Command::Close(Closing { name, note: note_of.map(note).transpose()?.flatten(), seen: open.into() }))
 }
 
 /// Reads the answer to one of the three questions about a piece; `None` if it was not answered.

@@ -92,7 +92,7 @@ pub const COMMANDS: [CommandRow; 14] = [
         &[r#"{"epoch":4}"#, r#"{"luggage":3}"#]) },
     word("reset", "/commands/reset", "end the mission", CommandKind::Reset, &[]),
     CommandRow { takes: Takes::Close, ..word("close", "/commands/close", "state that the search is over", CommandKind::Close,
-        &[r#"{"name":"Anna Rossi","openPoints":3}"#]) },
+        &[r#"{"name":"Anna Rossi","openPoints":"7:0,1,21,0,111,0"}"#]) },
     CommandRow { need: Need::Stop, takes: Takes::Move, ..word("move", "/commands/move", "move once by hand", CommandKind::Move,
         &[r#"{"move":"w"}"#, r#"{"move":"h"}"#]) },
     CommandRow { takes: Takes::Goto, ..word("goto", "/commands/goto", "drive to a cell", CommandKind::Goto, &[r#"{"x":1,"y":1}"#]) },

@@ -61,7 +61,7 @@ pub struct MissionJson {
 pub struct ClosedJson {
     /// Name of the person in charge.
     pub name: String,
-    /// Name of the key.
+    /// Name of the key, with the person's name in brackets if it is known.
     pub by: String,
     /// Time, RFC 3339 with zone.
     pub at: String,

@@ -17,7 +17,8 @@ use crate::phrases::{Language, said_here};
 use crate::runtime::archive::{At, Happened, Head, NoTake, PastMoment, Sound, Unreadable, hex};
 use crate::runtime::tests::partial_archive::PartialArchive;
 use hallsweep_core::asked::Asked;
-use hallsweep_core::command::{Command, Door, Issuer, Strategy};
+use hallsweep_core::closing::{Closed, OpenPoints};
+use hallsweep_core::command::{Command, Door, Issuer, Note, Strategy};
 use hallsweep_core::engine::Past;
 use hallsweep_core::event::Photo;
 use hallsweep_core::hold::Hold;
@@ -420,6 +421,31 @@ fn what_a_mission_took_is_what_each_run_measured_where_the_clock_was_set() {
     let page = Mission::of(set).report(Language::English);
     assert!(page.contains("<dt>Took (h:mm:ss)</dt><dd>0:00:25</dd>"), "{page}");
     assert!(page.contains("<dt>The clock was changed</dt><dd>1 ×"), "{page}");
+}
+
+/// Nothing waits for *close*. A report says whether it came, also after START has put the mission away.
+#[test]
+fn a_report_says_who_has_closed_the_mission_and_in_how_many_pieces_nothing_was_found() {
+    let at_noon = |fact| Entry { wall: WallTime::default(), fact };
+    let pages = |entries: Vec<Entry>| Language::ALL.map(|language| Mission::of(entries.clone()).report(language));
+    let began = || at_noon(Fact::MissionBegan(MISSION, Strategy::default()));
+    let [english, italian] = pages(vec![began()]);
+    assert!(english.contains("not closed") && english.contains("No piece was judged."), "{english}");
+    assert!(italian.contains("non chiusa") && italian.contains("Nessun bagaglio è stato giudicato."));
+    let (name, note) = (Note::new("Anna <Rossi>").unwrap(), Note::new("handed over"));
+    let open = OpenPoints { unvisited: 12, ..OpenPoints::default() };
+    let closed = Closed { who: "anna".into(), name, note, open, wall: WallTime::default() };
+    let verdict = Fact::Verdict {
+        luggage: LuggageId(1),
+        verdict: hallsweep_core::command::Verdict::Safe,
+        who: "anna".into(),
+        note: None,
+        hot: Default::default(),
+    };
+    let [english, italian] = pages(vec![began(), piece(1, 9), at_noon(verdict), at_noon(Fact::Closed(Box::new(closed)))]);
+    let row = "mission closed by Anna &#60;Rossi&#62;, key anna (note: handed over); open points: cells never visited: 12</dd>";
+    assert!(english.contains(row) && english.contains("No device was found in 1 judged piece."), "{english}");
+    assert!(italian.contains("missione chiusa da Anna &#60;Rossi&#62;, chiave anna"));
 }
 
 #[test]

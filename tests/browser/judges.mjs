@@ -116,7 +116,7 @@ const judges = {
     must(closed.by === 'operator' && closed.note === 'handed to the police' && closed.open.bombs === 0, JSON.stringify(closed));
     const report = await (await page.request.get(`${url}/missions/1/report`)).text();
     must(/answer kept back until now/.test(report) && /hidden: no/.test(report) && /unsure about luggage/.test(report)
-      && /mission closed by Anna Rossi, key operator/.test(report) && /2 of \d+ judged pieces were judged dangerous/.test(report), `the report says nothing of the judges: ${report}`);
+      && /<dt>Closed<\/dt><dd>[^<]*mission closed by Anna Rossi, key operator/.test(report) && /2 of \d+ judged pieces were judged dangerous/.test(report), `the report says nothing of the judges: ${report}`);
     await context.close();
   },
 };

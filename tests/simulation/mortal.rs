@@ -157,7 +157,10 @@ impl Mortal {
     }
 
     fn wait_until(&mut self, since_start: Duration) {
-        self.now = Now { since_start: since_start.max(self.now.since_start), wall: WallTime::default() };
+        let since_start = since_start.max(self.now.since_start);
+        let passed = i64::try_from((since_start - self.now.since_start).as_millis()).expect("a test is short");
+        let wall = WallTime { unix_ms: self.now.wall.unix_ms + passed, ..self.now.wall };
+        self.now = Now { since_start, wall };
         self.sim.handle_timeout(self.now);
         self.engine.handle_timeout(self.now);
         self.settle();

@@ -161,6 +161,8 @@ fn a_safe_over_coap_is_no_answer_of_a_judge_and_leaves_no_trace() {
     let command = |verdict| Command::Verdict { luggage: LuggageRef::Pending, verdict, note: None, hot: Hot::default() };
     let refused = run.ask(Request::new(command(Verdict::Safe), issuer.clone())).unwrap_err();
     assert_eq!((refused.code(), seen(&mut run)), ("notAllowed", before));
+    let unsure = Command::Unsure { luggage: LuggageRef::Pending, note: None, hot: Hot::default() };
+    assert_eq!(run.ask(Request::new(unsure, issuer.clone())).unwrap_err().code(), "notAllowed", "it could withdraw an answer");
     run.ask(Request::new(command(Verdict::Danger), issuer)).unwrap();
     assert_eq!(run.phase(), PhaseName::ReturningWithAlarm, "a danger needs no key");
 }

@@ -75,7 +75,7 @@ fn of_command(command: &Command) -> Coded {
         }
         Carries::Closing(Closing { name, note, seen }) => {
             let note = note.as_ref().map(Note::text);
-            Coded::new(code, json!({ "name": name.text(), "note": note, "openPoints": seen }))
+            Coded::new(code, json!({ "name": name.text(), "note": note, "openPoints": &**seen }))
         }
         Carries::Unsure(luggage, note, hot) => Coded::new(code, answer(luggage, note, hot)),
         Carries::Strategy(strategy) => Coded::new(code, json!({ "strategy": strategy.name() })),
@@ -127,7 +127,7 @@ fn command(coded: &Coded) -> Result<Command, Unparsed> {
         "unsure" => Command::Unsure { luggage: luggage()?, note: names::note(coded.field("note")?)?, hot: hot()? },
         "close" => {
             let name = names::note(coded.field("name")?)?.ok_or_else(|| Unparsed("there is no name".to_owned()))?;
-            let (note, seen) = (names::note(coded.field("note")?)?, coded.field("openPoints")?);
+            let (note, seen) = (names::note(coded.field("note")?)?, coded.field::<String>("openPoints")?.into());
             Command::Close(Closing { name, note, seen })
         }
         "retake" => Command::RetakePhoto(LuggageId(coded.field("luggage")?)),

@@ -11,7 +11,7 @@ use super::{Unparsed, earlier, names};
 use crate::api::problem::refusal;
 use hallsweep_core::command::CommandId;
 use hallsweep_core::refused::{OTHER_CONTENT, Refused};
-use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
+use hallsweep_core::units::{AlarmId, Epoch, LuggageId, MissionId};
 
 pub(super) fn written(refused: &Refused, form: Form) -> Coded {
     let fields = match refused {
@@ -34,7 +34,7 @@ pub(super) fn written(refused: &Refused, form: Form) -> Coded {
         Refused::FetcherUnreached(robot) | Refused::FetcherAbroad(robot) => json!({ "robot": robot.name() }),
         Refused::FaultStands(fault) => json!({ "fault": CauseShape::of(fault, form) }),
         Refused::OtherContent(id) => json!({ "id": id.text() }),
-        Refused::OpenPoints(open) => json!({ "open": OpenShape::from(*open) }),
+        Refused::OpenPoints { mission, open } => json!({ "mission": mission.0, "open": OpenShape::from(*open) }),
         Refused::UnknownSensor(sensor) => json!({ "sensor": &**sensor }),
         Refused::NotAllowed(_) | Refused::InWords(_) => json!({ "words": refused.to_string() }),
         Refused::SentBefore
@@ -94,7 +94,10 @@ fn value(coded: &Coded) -> Result<Refused, Unparsed> {
         "noRetrievalRobot" => Refused::NoRetrievalRobot,
         "fetcherUnreached" => Refused::FetcherUnreached(robot()?),
         "fetcherAbroad" => Refused::FetcherAbroad(robot()?),
-        "openPoints" => Refused::OpenPoints(coded.field::<OpenShape>("open")?.into()),
+        "openPoints" => {
+            let (mission, open) = (MissionId(coded.field("mission")?), coded.field::<OpenShape>("open")?.into());
+            Refused::OpenPoints { mission, open }
+        }
         "faultStands" => Refused::FaultStands(coded.field::<CauseShape>("fault")?.cause()?),
         "storeDown" => Refused::StoreDown,
         "notKept" => Refused::NotKept,

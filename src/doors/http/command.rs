@@ -165,7 +165,8 @@ mod tests {
             note: Note::new("red"),
             hot: Default::default(),
         };
-        let closing = Command::Close(Closing { name: Note::new("Anna Rossi").unwrap(), note: None, seen: 3 });
+        let closing =
+            Command::Close(Closing { name: Note::new("Anna Rossi").unwrap(), note: None, seen: "7:1,0,0,0,0,0".into() });
         let unsure = Command::Unsure {
             luggage: LuggageRef::Id(LuggageId(3)),
             note: Note::new("red"),
@@ -180,7 +181,7 @@ mod tests {
             ("POST", "/commands/retrieve", "", Command::Retrieve(None)),
             ("POST", "/commands/retrieve", r#"{"luggage":3}"#, Command::Retrieve(Some(LuggageId(3)))),
             ("POST", "/commands/reset", "", Command::Reset),
-            ("POST", "/commands/close", r#"{"name":"Anna Rossi","openPoints":3}"#, closing),
+            ("POST", "/commands/close", r#"{"name":"Anna Rossi","openPoints":"7:1,0,0,0,0,0"}"#, closing),
             ("POST", "/commands/move", r#"{"move":"w"}"#, Command::Move(Move::Forward)),
             ("POST", "/commands/move", r#"{"move":"h"}"#, Command::Stop),
             ("POST", "/commands/goto", r#"{"x":4,"y":-2}"#, Command::Goto(cell)),
@@ -221,6 +222,7 @@ mod tests {
     #[tokio::test]
     async fn what_is_malformed_is_refused_with_the_code_that_fits() {
         let app = app(searching());
+        let long = format!(r#"{{"name":"Anna","openPoints":"{}"}}"#, "1".repeat(161));
         let cases = [
             ("POST", "/commands/start", "{", 400),
             ("POST", "/commands/start", "nonsense", 400),
@@ -235,11 +237,11 @@ mod tests {
             ("POST", "/commands/move", r#"{"move":"q"}"#, 422),
             ("POST", "/commands/move", r#"{"move":1}"#, 422),
             ("POST", "/commands/goto", r#"{"x":1}"#, 422),
-            ("POST", "/commands/close", r#"{"openPoints":1}"#, 422),
+            ("POST", "/commands/close", r#"{"openPoints":"1:0"}"#, 422),
             ("POST", "/commands/close", r#"{"name":" "}"#, 422),
             ("POST", "/commands/close", r#"{"name":"a\u202eb"}"#, 422),
-            ("POST", "/commands/close", r#"{"name":"Anna","openPoints":-1}"#, 422),
-            ("POST", "/commands/close", r#"{"name":"Anna","openPoints":18446744073709551616}"#, 422),
+            ("POST", "/commands/close", r#"{"name":"Anna","openPoints":1}"#, 422),
+            ("POST", "/commands/close", &long, 422),
             ("POST", "/commands/goto", r#"{"x":1.5,"y":1}"#, 422),
             ("POST", "/commands/goto", r#"{"x":8193,"y":1}"#, 422),
             ("POST", "/commands/goto", r#"{"x":99999999999999999999,"y":1}"#, 422),

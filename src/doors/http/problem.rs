@@ -155,7 +155,7 @@ mod tests {
     use hallsweep_core::phase::{FaultCause, PhaseName};
     use hallsweep_core::refused::Refused;
     use hallsweep_core::robot::RobotId;
-    use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId};
+    use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId};
 
     fn codes() -> std::collections::BTreeSet<String> {
         let mut folders = vec![std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/doors/http")];
@@ -231,8 +231,10 @@ mod tests {
             Some(Refused::NoRetrievalRobot) => Refused::FetcherUnreached(RobotId::discovery()),
             Some(Refused::FetcherUnreached(_)) => Refused::FetcherAbroad(RobotId::discovery()),
             Some(Refused::FetcherAbroad(_)) => Refused::FaultStands(FaultCause::Unanswered),
-            Some(Refused::FaultStands(_)) => Refused::OpenPoints(OpenPoints { bombs: 1, ..OpenPoints::default() }),
-            Some(Refused::OpenPoints(_)) => Refused::StoreDown,
+            Some(Refused::FaultStands(_)) => {
+                Refused::OpenPoints { mission: MissionId(1), open: OpenPoints { bombs: 1, ..OpenPoints::default() } }
+            }
+            Some(Refused::OpenPoints { .. }) => Refused::StoreDown,
             Some(Refused::StoreDown) => Refused::NotKept,
             Some(Refused::NotKept) => Refused::OtherContent(CommandId::new("a-name").unwrap()),
             Some(Refused::OtherContent(_)) => Refused::UnknownSensor("roof".into()),

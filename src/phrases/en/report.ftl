@@ -27,7 +27,11 @@ report-open = Known places not searched
 report-pieces = { $count }: safe { $safe }, danger { $danger }, pending { $pending }
 report-secured-count = Put into the container
 report-finding = Finding
-report-no-device = No device was found in { $count } judged pieces.
+report-no-device = { $count ->
+    [0] No piece was judged.
+    [one] No device was found in 1 judged piece.
+   *[other] No device was found in { $count } judged pieces.
+}
 report-devices = { $dangerous } of { $count } judged pieces were judged dangerous.
 report-closed = Closed
 report-not-closed = not closed

@@ -27,8 +27,12 @@ report-open = Posti noti non esplorati
 report-pieces = { $count }: sicuri { $safe }, pericolosi { $danger }, da decidere { $pending }
 report-secured-count = Messi nel contenitore
 report-finding = Esito
-report-no-device = Nessun ordigno è stato trovato in { $count } bagagli giudicati.
-report-devices = { $dangerous } di { $count } bagagli giudicati sono stati giudicati pericolosi.
+report-no-device = { $count ->
+    [0] Nessun bagaglio è stato giudicato.
+    [one] Nessun ordigno è stato trovato in 1 bagaglio giudicato.
+   *[other] Nessun ordigno è stato trovato in { $count } bagagli giudicati.
+}
+report-devices = Giudicati pericolosi: { $dangerous } di { $count } bagagli giudicati.
 report-closed = Chiusura
 report-not-closed = non chiusa
 report-stops = STOP premuto

@@ -50,11 +50,7 @@ impl Language {
                 return self.answer_given(&said, luggage.or(meant), note, hot);
             }
             Carries::Closing(Closing { name, note, .. }) => {
-                let said = named.with("name", name).to_string();
-                return note.as_ref().map_or_else(
-                    || said.clone(),
-                    |note| self.say("asked-noted").with("asked", &said).with("note", note).to_string(),
-                );
+                return self.with_remarks(named.with("name", name).to_string(), Hot::NONE, note.as_ref());
             }
             Carries::Unsure(luggage, note, hot) => return self.answer_given(&named, luggage.or(meant), note, hot),
             Carries::Strategy(strategy) => named.with("strategy", self.say_of("strategy", strategy.name())),

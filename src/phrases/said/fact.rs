@@ -146,7 +146,7 @@ impl Language {
     }
 
     /// Adds the answers to the three questions and the note to what was said of a verdict.
-    fn with_remarks(self, said: String, hot: Hot, note: Option<&Note>) -> String {
+    pub(super) fn with_remarks(self, said: String, hot: Hot, note: Option<&Note>) -> String {
         let said = self.hot(hot).map_or_else(|| said.clone(), |hot| format!("{said} ({hot})"));
         note.map_or_else(|| said.clone(), |note| self.say("asked-noted").with("asked", &said).with("note", note).to_string())
     }

@@ -38,7 +38,9 @@ impl Language {
             Refused::UnknownAlarm(id) => say().with("id", id),
             Refused::FetcherUnreached(robot) | Refused::FetcherAbroad(robot) => say().with("robot", robot),
             Refused::FaultStands(fault) => say().with("fault", self.fault(fault)),
-            Refused::OpenPoints(open) => say().with("open", self.open_points(*open).join(", ")).with("total", open.total()),
+            Refused::OpenPoints { mission, open } => {
+                say().with("open", self.open_points(*open).join(", ")).with("code", format!("{:?}", open.code(*mission)))
+            }
             Refused::OtherContent(id) => say().with("id", id.text()),
             Refused::UnknownSensor(sensor) => say().with("sensor", format!("{sensor:?}")),
             Refused::NotAllowed(words) => say().with("detail", words),

@@ -81,7 +81,7 @@ fn commands() {
             note: note.clone(),
             hot: Hot { hidden: Some(HotAnswer::No), obvious: None, typical: Some(HotAnswer::CannotSay) },
         }));
-        let closing = Closing { name: Note::new("Anna Rossi").unwrap(), note: note.clone(), seen: 3 };
+        let closing = Closing { name: Note::new("Anna Rossi").unwrap(), note: note.clone(), seen: "7:1,0,0,0,0,0".into() };
         commands.push(Command::Close(closing));
         commands.push(Command::Unsure { luggage, note, hot: Hot { typical: Some(HotAnswer::No), ..Hot::NONE } });
     }

@@ -328,7 +328,7 @@ mod tests {
             Command::GoOn,
             Command::Retrieve(None),
             Command::Reset,
-            Command::Close(Closing { name: Note::new("Anna").expect("a sound name"), note: None, seen: 0 }),
+            Command::Close(Closing { name: Note::new("Anna").expect("a sound name"), note: None, seen: "".into() }),
             Command::Move(Move::Forward),
             Command::Goto(Cell::HOME),
             Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None, hot: Default::default() },

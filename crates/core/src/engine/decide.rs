@@ -140,9 +140,13 @@ impl Engine {
                 sensor.filter(|sensor| !self.watchdog.watches(sensor)).map(|sensor| Refused::UnknownSensor(Arc::clone(sensor)))
             }
             Guard::OpenUnseen => {
-                let open = self.open_points(&self.state.map, &self.state.luggage);
-                let is_seen = context.closing.as_ref().is_some_and(|closing| closing.seen == open.total());
-                forbids(!is_seen, Refused::OpenPoints(open))
+                if !self.state.under_way {
+                    return Some(Refused::NotInPhase(phase.name()));
+                }
+                let (mission, open) = (self.state.mission, self.open_points(&self.state.map, &self.state.luggage));
+                let seen = context.closing.as_ref().map(|closing| &*closing.seen)?;
+                let is_seen = seen == open.code(mission) || seen.is_empty() && open.is_empty();
+                forbids(!is_seen, Refused::OpenPoints { mission, open })
             }
             Guard::FaultStands => self.fault_stands(phase).map(|cause| Refused::FaultStands(cause.clone())),
         }
@@ -213,7 +217,9 @@ impl Engine {
     /// one exception: a danger may replace a safe that is not stored yet.
     fn decided(&self, input: Input, context: &InputContext) -> Option<Refused> {
         let luggage = context.luggage?;
-        let in_flight = || self.mission.deciding(luggage).filter(|verdict| *verdict == Verdict::Danger || input != Input::Danger);
+        // To an unsure judge, a verdict that is not stored yet would tell what the others have answered.
+        let deciding = self.mission.deciding(luggage).filter(|_| input != Input::Unsure);
+        let in_flight = || deciding.filter(|verdict| *verdict == Verdict::Danger || input != Input::Danger);
         self.verdict_kept(luggage).or_else(in_flight).map(|verdict| Refused::Decided { luggage, verdict })
     }
 

@@ -105,13 +105,15 @@ impl Engine {
         self.outbox.keep_back(list);
     }
 
-    /// Withdraws the answer of a judge who is unsure now.
-    pub(super) fn take_back(&mut self, luggage: LuggageId, judge: &Issuer) {
+    /// Withdraws the answer of a judge who is unsure now. Returns whether there was one.
+    pub(super) fn take_back(&mut self, luggage: LuggageId, judge: &Issuer) -> bool {
         let is_own = |other: &Judgement| other.luggage == luggage && other.issuer.key() == judge.key();
-        if self.judges.judgements().any(is_own) {
+        let is_there = self.judges.judgements().any(is_own);
+        if is_there {
             self.judges.answers.retain(|answer| !is_own(&answer.judgement));
             self.store_judgements();
         }
+        is_there
     }
 
     pub(super) fn answer_when_kept_back(&mut self, ticket: Ticket, context: &InputContext) {

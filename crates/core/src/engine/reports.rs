@@ -158,7 +158,12 @@ impl Engine {
                 *phase.underlying_mut() = Phase::Exploring;
                 self.note_phase(phase);
             }
-            Some(Stage::RetakingPhoto(id)) => self.end_photo(id),
+            Some(Stage::RetakingPhoto(id)) => {
+                // The photo of a view is taken from another place than the photo before. The robot drives back there.
+                let place = self.state.phase.inspection().map(|inspection| inspection.pose);
+                let is_view = self.state.luggage.get(id).is_some_and(|piece| Some(piece.pose) != place);
+                if is_view { self.set_stage(Stage::Viewing(id)) } else { self.end_photo(id) }
+            }
             Some(Stage::Recording(_) | Stage::AwaitingVerdict(_) | Stage::Viewing(_)) | None => {}
         }
     }

@@ -115,7 +115,7 @@ fn command(input: Input) -> Option<Command> {
         Input::Safe => Command::Verdict { luggage, verdict: Verdict::Safe, note: None, hot: Default::default() },
         Input::Danger => Command::Verdict { luggage, verdict: Verdict::Danger, note: None, hot: Default::default() },
         Input::Unsure => Command::Unsure { luggage, note: None, hot: Default::default() },
-        Input::Close => Command::Close(Closing { name: Note::new("Anna Rossi")?, note: None, seen: 0 }),
+        Input::Close => Command::Close(Closing { name: Note::new("Anna Rossi")?, note: None, seen: "".into() }),
         Input::TemperatureOk => Command::Temperature(TemperatureReport::Ok),
         Input::TemperatureTooHigh => Command::Temperature(TemperatureReport::TooHigh),
         Input::Reading => Command::Temperature(TemperatureReport::Reading(Celsius::new(20.0)?)),

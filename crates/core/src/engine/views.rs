@@ -9,14 +9,15 @@ use crate::command::Move;
 use crate::mission::InputContext;
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
-use crate::state::Stage;
 use crate::state::fact::Fact;
+use crate::state::{Inspection, Stage};
 use crate::units::{Cell, Heading, LuggageId, Pose};
 use crate::world::hall_map::{Mark, is_in_reach};
 use crate::world::luggage::Luggage;
 use crate::world::resource::Resource;
 
-/// Most moves to a view, with all detours. More would be a search of the hall.
+/// Most moves to a view, with all detours, since the last photo or start of the program. More would be a search of the
+/// hall.
 const MOST_MOVES: usize = 24;
 
 /// Longest distance from which a piece may have been photographed, in cells. No sonar sees farther.
@@ -31,19 +32,17 @@ impl Engine {
         let (Some(luggage), Some(issuer)) = (context.luggage, &context.issuer) else { return };
         let (who, note, hot) = (issuer.who.clone(), context.note.clone(), context.hot);
         let views = self.settings.rules.unsure_views;
-        self.take_back(luggage, issuer);
-        // A second press says nothing new.
-        let says_so = |piece: &Luggage| {
-            let latest = piece.unsure.last().filter(|doubt| doubt.wall >= piece.taken);
-            latest.is_some_and(|doubt| (&doubt.who, &doubt.note, doubt.hot) == (&who, &note, hot))
-        };
-        if self.state.luggage.get(luggage).is_some_and(|piece| says_so(piece)) {
+        let has_taken_back = self.take_back(luggage, issuer);
+        let is_viewing = self.state.phase.inspection().is_some_and(Inspection::is_viewing);
+        // A second press while the robot goes round the piece says nothing new.
+        let latest = self.state.luggage.get(luggage).and_then(|piece| piece.unsure.last());
+        let says_so = latest.is_some_and(|doubt| (&doubt.who, &doubt.note, doubt.hot) == (&who, &note, hot));
+        if is_viewing && says_so && !has_taken_back {
             return;
         }
         self.world.touch(Resource::Mission);
         self.record(Fact::Unsure { luggage, who, note, hot });
-        let inspection = self.state.phase.inspection();
-        if views == 0 || inspection.is_none_or(|inspection| inspection.is_viewing()) {
+        if views == 0 || is_viewing {
             return;
         }
         self.mission.route.clear();
@@ -129,7 +128,8 @@ impl Engine {
         let here = self.state.pose;
         let steps = |pose: &Pose| (pose.cell.x.abs_diff(here.cell.x) + pose.cell.y.abs_diff(here.cell.y)) as usize;
         let most = MOST_MOVES.saturating_sub(self.mission.view_moves);
-        poses.retain(|pose| is_in_reach(pose.cell) && steps(pose) <= most && !self.state.map.at(pose.cell).is_obstacle());
+        let is_shut = |cell: Cell| self.state.map.at(cell).is_obstacle() || self.planner.keep_out.contains(cell);
+        poses.retain(|pose| is_in_reach(pose.cell) && steps(pose) <= most && !is_shut(pose.cell));
         poses.sort_by_key(steps);
         let ways = poses.into_iter().take(MOST_PLACES).filter_map(|pose| self.planner.way_to_look(here, pose));
         ways.filter(|way| way.len() <= most).min_by_key(Vec::len)

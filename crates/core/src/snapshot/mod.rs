@@ -111,7 +111,7 @@ pub struct MissionView {
     pub epoch: Epoch,
     pub progress: Progress,
     pub open: OpenPoints,
-    /// Who has closed the mission; `None` while nobody has, and after a robot moves again.
+    /// Who has closed the mission; `None` while nobody has, and after a robot moves again or another piece is judged.
     pub closed: Option<Arc<Closed>>,
     /// The rings round the bombs in the hall that nobody is fetching.
     pub keep_out: KeepOut,

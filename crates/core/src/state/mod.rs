@@ -70,7 +70,7 @@ pub struct PersistentState {
     pub last_alarm: AlarmId,
     /// The operator's last reading. It is stored because no thermometer repeats it.
     pub reading: Option<Celsius>,
-    /// Who has closed the mission; `None` after a robot moves again.
+    /// Who has closed the mission; `None` after a robot moves again or another piece is judged.
     pub closed: Option<Arc<Closed>>,
     /// The place and the threshold of the mission; `None` if no journal has recorded them yet.
     pub conditions: Option<Conditions>,
@@ -161,6 +161,7 @@ impl PersistentState {
             Fact::Verdict { luggage, verdict, who, note, hot } => {
                 let decision = Decision { verdict: *verdict, who: Arc::clone(who), wall, note: note.clone(), hot: *hot };
                 self.luggage.change(*luggage, |record| record.verdict = Some(decision));
+                self.closed = None;
             }
             Fact::Unsure { luggage, who, note, hot } => {
                 let doubt = Doubt { who: Arc::clone(who), wall, note: note.clone(), hot: *hot };

@@ -5,7 +5,7 @@ use std::fmt;
 use std::sync::Arc;
 
 use crate::command::Note;
-use crate::units::WallTime;
+use crate::units::{MissionId, WallTime};
 
 /// The command *close*.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -13,8 +13,8 @@ pub struct Closing {
     /// The person in charge.
     pub name: Note,
     pub note: Option<Note>,
-    /// The total of open points that the sender has seen.
-    pub seen: usize,
+    /// The mission and its open points as the sender has seen them (`OpenPoints::code`). Empty if nothing was open.
+    pub seen: Arc<str>,
 }
 
 /// A mission that was closed.
@@ -36,7 +36,7 @@ pub struct OpenPoints {
     pub places: usize,
     /// Such places inside keep-out rings.
     pub kept_out: usize,
-    /// Cells that can be reached but were not visited, if the hall is known beforehand.
+    /// Cells that can be reached but were not visited, `places` included, if the hall is known beforehand.
     pub unvisited: usize,
     /// Free cells that cannot be reached from the start, if the hall is known beforehand.
     pub unreachable: usize,
@@ -57,17 +57,22 @@ impl OpenPoints {
     }
 
     #[must_use]
-    pub fn total(self) -> usize {
-        self.parts().iter().map(|(.., count)| count).sum()
+    pub fn is_empty(self) -> bool {
+        self == OpenPoints::default()
+    }
+
+    /// Returns a text that names the mission and all numbers, such as `7:1,0,21,0,111,0`.
+    #[must_use]
+    pub fn code(self, mission: MissionId) -> String {
+        format!("{mission}:{}", self.parts().map(|(.., count)| count.to_string()).join(","))
     }
 }
 
 impl fmt::Display for OpenPoints {
     /// Example: `pieces without a verdict: 1, cells never visited: 12`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let left: Vec<String> =
-            self.parts().iter().filter(|part| part.2 > 0).map(|(_, words, n)| format!("{words}: {n}")).collect();
-        f.write_str(if left.is_empty() { "none" } else { "" })?;
-        f.write_str(&left.join(", "))
+        let left = self.parts().into_iter().filter(|(.., count)| *count > 0);
+        let left: Vec<String> = left.map(|(_, words, count)| format!("{words}: {count}")).collect();
+        f.write_str(if left.is_empty() { "none".to_owned() } else { left.join(", ") }.as_str())
     }
 }

@@ -8,7 +8,7 @@ use crate::command::{CommandId, Verdict};
 use crate::hold::Hold;
 use crate::phase::{FaultCause, PhaseName};
 use crate::robot::RobotId;
-use crate::units::{AlarmId, Cell, Epoch, LuggageId};
+use crate::units::{AlarmId, Cell, Epoch, LuggageId, MissionId};
 
 /// Kind of a refusal. Each interface derives its own codes from it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -89,8 +89,8 @@ pub enum Refused {
     #[error("{0} is not back yet: press START, so that the retrieval goes on")]
     FetcherAbroad(RobotId),
     /// Whoever closes a mission must have seen what is left open.
-    #[error("open points: {0}; to close the mission with them, send openPoints {total}", total = .0.total())]
-    OpenPoints(OpenPoints),
+    #[error("open points: {open}; to close the mission with them, send openPoints {:?}", .open.code(*.mission))]
+    OpenPoints { mission: MissionId, open: OpenPoints },
     #[error("the fault still stands: {0}")]
     FaultStands(FaultCause),
     #[error("the record cannot be written, so nothing was decided: try again when the store is back")]
@@ -194,7 +194,7 @@ impl Refused {
             | Refused::NoRetrievalRobot
             | Refused::FetcherUnreached(_)
             | Refused::FetcherAbroad(_)
-            | Refused::OpenPoints(_)
+            | Refused::OpenPoints { .. }
             | Refused::FaultStands(_) => RefusalKind::Conflict,
         }
     }
@@ -227,7 +227,7 @@ impl Refused {
             Refused::NoRetrievalRobot => "noRetrievalRobot",
             Refused::FetcherUnreached(_) => "fetcherUnreached",
             Refused::FetcherAbroad(_) => "fetcherAbroad",
-            Refused::OpenPoints(_) => "openPoints",
+            Refused::OpenPoints { .. } => "openPoints",
             Refused::FaultStands(_) => "faultStands",
             Refused::StoreDown => "storeDown",
             Refused::NotKept => "notKept",

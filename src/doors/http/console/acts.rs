@@ -68,7 +68,7 @@ impl Fields {
             "reset" => Command::Reset,
             "close" => {
                 let (name, note) = (needed("name", self.name.as_deref())?, self.note.as_deref().map(one_line));
-                command::close(&one_line(name), note.as_deref(), number("open", needed("open", self.open.as_deref())?)?)?
+                command::close(&one_line(name), note.as_deref(), needed("open", self.open.as_deref())?)?
             }
             "move" => command::move_word(needed("move", self.word.as_deref())?)?,
             "goto" => {
@@ -84,6 +84,11 @@ impl Fields {
             other => return Err(Problem::not_found(format!("the console has no button {:?}", in_short(other)))),
         };
         Ok((command, epoch))
+    }
+
+    /// Returns the typed name and note of the person who closes the mission.
+    pub(super) fn typed(&self) -> [String; 2] {
+        [&self.name, &self.note].map(|typed| typed.clone().unwrap_or_default())
     }
 
     /// Returns the name of the place where the page shows a refusal: beside the pressed button.
@@ -168,7 +173,7 @@ mod tests {
             y: Some("-2".to_owned()),
             name: Some("snail".to_owned()),
             status: None,
-            open: Some("3".to_owned()),
+            open: Some("1:0,0,3,0,0,0".to_owned()),
             luggage: Some("3".to_owned()),
             hidden: Some("no".to_owned()),
             obvious: Some("cannotSay".to_owned()),

@@ -38,6 +38,7 @@ use super::reading::{Form, Number};
 use crate::access::{Access, Caller};
 use crate::api::answer::AnswerJson;
 use crate::api::door;
+use crate::phrases::Language;
 use crate::runtime::carry_out::Done;
 pub(super) use acts::buttons;
 use acts::{Fields, TypedRemarks};
@@ -105,6 +106,13 @@ async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields
         }
         Ok(_) => Redirect::to("/").into_response(),
         Err(problem) if by_script => problem.told(spoken(headers)),
+        Err(problem) if act == "close" => {
+            let language = PageReader::new(sender.caller.clone(), headers).language;
+            let page = close_page(&sender.door, language, problem.in_words(language), fields.typed());
+            let mut response = (problem.status(), page).into_response();
+            problem.tell_gate(&mut response);
+            response
+        }
         Err(problem) => {
             let to = PageReader::new(sender.caller.clone(), headers);
             refused_page(&sender.door, &to, &fields.button(act), &problem).await
@@ -140,7 +148,14 @@ pub(super) async fn confirm_reset(Spoken(language): Spoken) -> Html<String> {
 
 /// `GET console/confirm/close`: lists what is left open, and asks who closes the mission.
 pub(super) async fn confirm_close(State(door): State<HttpDoor>, Spoken(language): Spoken) -> Html<String> {
-    html(&parts::CloseMission { language, open: door.handle.snapshot().mission.open })
+    close_page(&door, language, String::new(), Default::default())
+}
+
+/// The page that closes a mission. After a refusal it shows the reason, and keeps what was typed.
+fn close_page(door: &HttpDoor, language: Language, why: String, [name, note]: [String; 2]) -> Html<String> {
+    let snapshot = door.handle.snapshot();
+    let (open, code) = (snapshot.mission.open, snapshot.mission.open.code(snapshot.mission.id));
+    html(&parts::CloseMission { language, open, code, why, name, note })
 }
 
 async fn whole(door: &HttpDoor, to: &PageReader, why: Option<Why>) -> Html<String> {
@@ -168,6 +183,7 @@ mod tests {
     use super::super::testing::{app, leads, read, text};
     use crate::api::tests::fixture::{idle, searching};
     use hallsweep_core::command::{Command, LuggageRef, Move, Note, Verdict};
+    use hallsweep_core::phase::PhaseName;
     use hallsweep_core::refused::Refused;
     use hallsweep_core::units::{Cell, Epoch, LuggageId};
 
@@ -366,6 +382,36 @@ mod tests {
             app.last().command,
             Command::Verdict { luggage, verdict: Verdict::Danger, note: None, hot: Default::default() }
         );
+    }
+
+    /// A refusal stands on the page of the form, with what was typed, and what is open now.
+    #[tokio::test]
+    async fn a_mission_that_could_not_be_closed_is_said_not_to_be_on_the_same_page() {
+        let mut snapshot = searching();
+        snapshot.mission.open.bombs = 2;
+        let code = snapshot.mission.open.code(snapshot.mission.id);
+        let app = app(snapshot);
+        let page = app.page("/console/confirm/close").await;
+        assert!(page.contains("bombs in the hall: 2") && page.contains(&format!("value=\"{code}\"")), "{page}");
+        assert!(app.given.lock().unwrap().is_empty(), "looking changes nothing");
+        let typed = "name=Anna+%3Cb%3E&note=handed%0Aover&open=1%3A0";
+        assert_eq!(app.form("/console/close", typed).await.status(), 303);
+        let Command::Close(closing) = app.last().command else { panic!("{:?}", app.last()) };
+        assert_eq!(
+            (closing.name.text(), closing.note.as_ref().map(Note::text), &*closing.seen),
+            ("Anna <b>", Some("handed over"), "1:0")
+        );
+        app.refuse(Refused::NotInPhase(PhaseName::Idle));
+        let refused = app.form("/console/close", typed).await;
+        assert_eq!(refused.status(), 409);
+        let page = text(refused).await;
+        assert!(page.contains("role=\"alert\">not possible while") && page.contains("value=\"Anna &#60;b&#62;\""), "{page}");
+        let blank = app.form("/console/close", "name=+&open=").await;
+        assert_eq!(blank.status(), 422);
+        assert!(text(blank).await.contains("role=\"alert\">name"));
+        let italian = [("accept-language", "it")];
+        let page = text(app.send("GET", "/console/confirm/close", &italian, "").await).await;
+        assert!(page.contains("bombe nella sala: 2") && page.contains("Chiudere la missione"), "{page}");
     }
 
     #[tokio::test]

@@ -167,6 +167,12 @@ impl Confirm {
 pub(super) struct CloseMission {
     pub(super) language: Language,
     pub(super) open: OpenPoints,
+    /// What the form sends as seen.
+    pub(super) code: String,
+    /// Why the mission could not be closed; empty before.
+    pub(super) why: String,
+    pub(super) name: String,
+    pub(super) note: String,
 }
 
 macro_rules! parts {

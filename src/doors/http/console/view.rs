@@ -327,7 +327,8 @@ impl View<'_> {
             self.snapshot.mission.phase,
             PhaseName::AtHome | PhaseName::BombLocated | PhaseName::BagSecured | PhaseName::Explored | PhaseName::Fault
         );
-        rests && self.then.is_none()
+        // A robot may fail before the first mission.
+        rests && self.snapshot.mission.interrupted != Some(PhaseName::Idle) && self.then.is_none()
     }
 
     /// Returns who has closed the mission, and when.

@@ -29,7 +29,7 @@ fn all_commands() -> Vec<(&'static str, &'static str, Command)> {
         hot: Default::default(),
     };
     let temperature = Command::Temperature;
-    let closing = |seen| Command::Close(Closing { name: Note::new("Anna Rossi").unwrap(), note: None, seen });
+    let closing = |seen: &str| Command::Close(Closing { name: Note::new("Anna Rossi").unwrap(), note: None, seen: seen.into() });
     let unsure = Command::Unsure { luggage: LuggageRef::Id(LuggageId(3)), note: None, hot: Default::default() };
     vec![
         ("start", "", Command::Start),
@@ -41,8 +41,8 @@ fn all_commands() -> Vec<(&'static str, &'static str, Command)> {
         ("retrieve", r#"{"epoch":4}"#, Command::Retrieve(None)),
         ("retrieve", r#"{"luggage":3}"#, Command::Retrieve(Some(LuggageId(3)))),
         ("reset", "", Command::Reset),
-        ("close", r#"{"name":"Anna Rossi","openPoints":3}"#, closing(3)),
-        ("close", r#"{"name":" Anna Rossi ","note":null}"#, closing(0)),
+        ("close", r#"{"name":"Anna Rossi","openPoints":"7:1,0,0,0,0,0"}"#, closing("7:1,0,0,0,0,0")),
+        ("close", r#"{"name":" Anna Rossi ","note":null}"#, closing("")),
         ("move", r#"{"move":"w"}"#, Command::Move(Move::Forward)),
         ("move", r#"{"move":"h"}"#, Command::Stop),
         ("goto", r#"{"x":4,"y":-2}"#, Command::Goto(Cell::new(4, -2))),

@@ -178,6 +178,7 @@ fn moment(name: PhaseName, table: &'static str, holds: &[Hold]) -> Engine {
     if waits.contains(&name) {
         engine.state.pose = Pose::START;
     }
+    engine.state.under_way = true;
     engine.mark(Cell::new(1, 1), Mark::NotInspected);
     engine.watchdog.begin("roof".into(), Duration::from_secs(3600));
     engine.watchdog.hear("roof", Duration::ZERO);
@@ -237,7 +238,8 @@ fn check_command(table: &'static str, name: PhaseName, input: Input, holds: &'st
     let before = engine.clone();
     let mut command = command(input).expect("every input of COMMANDS is a command");
     if let Command::Close(closing) = &mut command {
-        closing.seen = before.open_points(&before.state.map, &before.state.luggage).total();
+        let open = before.open_points(&before.state.map, &before.state.luggage);
+        closing.seen = open.code(before.state.mission).into();
     }
     let request = Request::new(command, Issuer::operator(Door::LOCAL));
     let answer = engine.handle_command(request, now(1)).map_err(|refused| refused.code());

@@ -293,7 +293,6 @@ fn class(fact: &Fact) -> Option<&'static str> {
         Fact::Verdict { verdict: Verdict::Safe, .. } => "safe",
         Fact::Verdict { verdict: Verdict::Danger, .. } => "danger",
         Fact::Secured(_) => "secured",
-        Fact::Closed(_) => return None, // The command has its mark.
         Fact::AlarmRaised(..) => "alarm",
         Fact::AlarmAcknowledged(..) => "seen",
         // The fact `Verdict` already has a mark, so the command that gave the verdict gets no mark.
@@ -312,6 +311,7 @@ fn class(fact: &Fact) -> Option<&'static str> {
         | Fact::Holds(_)
         | Fact::Judged(_)
         | Fact::Unsure { .. }
+        | Fact::Closed(_)
         | Fact::Retrieval(_) => {
             return None;
         }
