@@ -2,7 +2,9 @@
 //! it. The fuzz targets choose the notation.
 
 use hallsweep_core::command::LuggageRef;
-use hallsweep_fuzz::api::command::{EpochBody, GotoBody, MoveBody, RetrieveBody, StrategyBody, TemperatureBody, Unusable, VerdictBody};
+use hallsweep_fuzz::api::command::{
+    CloseBody, EpochBody, GotoBody, MoveBody, RetrieveBody, StrategyBody, TemperatureBody, Unusable, VerdictBody,
+};
 use hallsweep_fuzz::api::fields::{Body, Unread};
 
 /// Longest refusal in bytes, for a body of any length.
@@ -17,6 +19,7 @@ pub(crate) trait Notation {
 pub(crate) fn check<N: Notation>(bytes: &[u8]) {
     read::<N, EpochBody>(bytes).map(EpochBody::epoch);
     read::<N, RetrieveBody>(bytes).map(RetrieveBody::command);
+    said(read::<N, CloseBody>(bytes).map(|body| body.command()));
     said(read::<N, MoveBody>(bytes).map(|body| body.command()));
     said(read::<N, GotoBody>(bytes).map(GotoBody::command));
     said(read::<N, VerdictBody>(bytes).map(|body| body.command(LuggageRef::Pending)));

@@ -43,7 +43,7 @@ pub struct RetrieveBody {
 #[schemars(deny_unknown_fields, rename_all = "camelCase")]
 pub struct CloseBody {
     /// Name of the person in charge, in one line of visible characters.
-    #[schemars(length(min = 1, max = Note::MOST), regex(pattern = VISIBLE))]
+    #[schemars(length(min = 1, max = Note::MOST), regex(pattern = NAME))]
     name: String,
     /// Remark, in one line of visible characters.
     #[schemars(length(max = Note::MOST), regex(pattern = VISIBLE))]
@@ -116,12 +116,19 @@ pub struct StrategyBody {
     name: String,
 }
 
-/// Maximum length of the text that names a mission and its open points, in bytes. Seven numbers fit.
+/// Maximum length of the text that names a mission and its open points, in characters. Seven numbers fit.
 const OPEN_POINTS: usize = 160;
 
 /// The characters that `is_visible` allows, as a regular expression for clients. Blanks at both ends are allowed,
 /// because `note` removes blanks there.
 const VISIBLE: &str = r"^[ \t\n\r]*[^\u0000-\u001f\u007f-\u009f\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff]*[ \t\n\r]*$";
+
+/// Like `VISIBLE`, with at least one character that is not blank.
+const NAME: &str = concat!(
+    r"^[ \t\n\r]*[^\u0000-\u001f\u007f-\u009f\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff]*",
+    r"[^\s\u0000-\u001f\u007f-\u009f\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff]",
+    r"[^\u0000-\u001f\u007f-\u009f\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff]*[ \t\n\r]*$"
+);
 
 impl JsonSchema for TemperatureBody {
     fn schema_name() -> Cow<'static, str> {
@@ -344,8 +351,9 @@ pub fn note(text: &str) -> Result<Option<Note>, Unusable> {
 /// Reads the statement of the person in charge.
 pub fn close(name: &str, note_of: Option<&str>, open: &str) -> Result<Command, Unusable> {
     let name = note(name)?.ok_or_else(|| Unusable("the name is empty: write the name of the person in charge".to_owned()))?;
-    if open.len() > OPEN_POINTS {
-        return Err(Unusable(format!("openPoints has {} bytes: send the text of the refusal openPoints", open.len())));
+    let length = open.chars().count();
+    if length > OPEN_POINTS {
+        return Err(Unusable(format!("openPoints has {length} characters: send the text of the refusal openPoints")));
     }
     Ok(Command::Close(Closing { name, note: note_of.map(note).transpose()?.flatten(), seen: open.into() }))
 }
