@@ -3,10 +3,11 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::journal::OpenShape;
 use super::robot::PositionJson;
 use super::time::rfc3339;
 use super::vocabulary;
-use hallsweep_core::closing::{Closed, OpenPoints};
+use hallsweep_core::closing::Closed;
 use hallsweep_core::command::Strategy;
 use hallsweep_core::phase::FaultCause;
 use hallsweep_core::refused::Refused;
@@ -68,36 +69,17 @@ pub struct ClosedJson {
     /// Remark, or null.
     pub note: Option<String>,
     /// What was left open.
-    pub open: OpenPointsJson,
-}
-
-/// Numbers of open points.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, JsonSchema)]
-#[serde(rename_all = "camelCase")]
-pub struct OpenPointsJson {
-    /// Number of pieces without a verdict.
-    pub pending: usize,
-    /// Number of dangerous pieces in the hall.
-    pub bombs: usize,
-    /// Number of known places that were not searched.
-    pub places: usize,
-    /// Number of such places inside keep-out rings, which are not in `places`.
-    pub kept_out: usize,
-    /// Number of cells that can be reached but were not visited; 0 if the hall is not known beforehand.
-    pub unvisited: usize,
-    /// Number of free cells that cannot be reached from the start; 0 if the hall is not known beforehand.
-    pub unreachable: usize,
+    pub open: OpenShape,
 }
 
 impl From<&Closed> for ClosedJson {
     fn from(Closed { who, name, note, open, wall }: &Closed) -> ClosedJson {
-        let OpenPoints { pending, bombs, places, kept_out, unvisited, unreachable } = *open;
         ClosedJson {
             name: name.text().to_owned(),
             by: who.to_string(),
             at: rfc3339(*wall),
             note: note.as_ref().map(|note| note.text().to_owned()),
-            open: OpenPointsJson { pending, bombs, places, kept_out, unvisited, unreachable },
+            open: (*open).into(),
         }
     }
 }

@@ -55,6 +55,7 @@ const KEEP_OUT_M: SettingKind = SettingKind::Number { least: 0.0, most: Rules::W
 
 /// A number of judges.
 const SAFE_BY: SettingKind = SettingKind::Number { least: 1.0, most: 2.0 };
+
 /// A number of photos.
 const VIEWS: SettingKind = SettingKind::Number { least: 0.0, most: Rules::MOST_VIEWS as f64 };
 

@@ -1,5 +1,6 @@
-//! The statement of the person in charge in the journal, with what was left open.
+//! The statement of the person in charge in the journal. What was left open has the same shape in the interface.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::places::Moment;
@@ -16,14 +17,22 @@ pub(super) struct ClosedShape {
     when: Moment,
 }
 
-#[derive(Serialize, Deserialize)]
+/// Numbers of open points.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "OpenPoints")]
 #[serde(rename_all = "camelCase")]
-pub(super) struct OpenShape {
+pub struct OpenShape {
+    /// Number of pieces without a verdict.
     pending: usize,
+    /// Number of dangerous pieces in the hall.
     bombs: usize,
+    /// Number of known places that were not searched.
     places: usize,
+    /// Number of such places inside keep-out rings, which are not in `places`.
     kept_out: usize,
+    /// Number of cells that can be reached but were not visited; 0 if the hall is not known beforehand.
     unvisited: usize,
+    /// Number of free cells that cannot be reached from the start; 0 if the hall is not known beforehand.
     unreachable: usize,
 }
 

@@ -56,14 +56,11 @@ enum PhotoShape {
 #[derive(Serialize, Deserialize)]
 struct DecisionShape {
     verdict: String,
-    who: String,
-    when: Moment,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    note: Option<String>,
     #[serde(flatten)]
-    hot: HotShape,
+    answer: DoubtShape,
 }
 
+/// Who answered about a piece, and what, beside a verdict.
 #[derive(Serialize, Deserialize)]
 struct DoubtShape {
     who: String,
@@ -169,16 +166,15 @@ impl LuggageShape {
 
 impl From<&Decision> for DecisionShape {
     fn from(decision: &Decision) -> DecisionShape {
-        let (verdict, who) = (decision.verdict.name().to_owned(), decision.who.to_string());
-        let note = decision.note.as_ref().map(|note| note.text().to_owned());
-        DecisionShape { verdict, who, when: decision.wall.into(), note, hot: decision.hot.into() }
+        let Decision { verdict, who, wall, note, hot } = decision.clone();
+        DecisionShape { verdict: verdict.name().to_owned(), answer: (&Doubt { who, wall, note, hot }).into() }
     }
 }
 
 impl DecisionShape {
     fn decision(self) -> Result<Decision, Unparsed> {
-        let (verdict, note) = (names::verdict(&self.verdict)?, names::note(self.note)?);
-        Ok(Decision { verdict, who: self.who.into(), wall: self.when.into(), note, hot: self.hot.hot()? })
+        let Doubt { who, wall, note, hot } = self.answer.doubt()?;
+        Ok(Decision { verdict: names::verdict(&self.verdict)?, who, wall, note, hot })
     }
 }
 

@@ -57,7 +57,7 @@ named! {
         NoRetrievalRobot = "there is no retrieval robot",
         FetcherUnreached = "a retrieval robot cannot be reached",
         FetcherAbroad = "a robot of an unfinished retrieval is not back at its place",
-        OpenUnseen = "the command does not name the number of open points",
+        OpenUnseen = "no mission is under way, or the command does not name its open points",
         FaultStands = "the cause of the fault is still present",
         UnknownSensor = "no such sensor is configured",
     }
