@@ -34,7 +34,7 @@ const judges = {
     must(doubt.by === 'second' && doubt.note === 'un’ombra', `unsure: ${JSON.stringify(doubt)}`);
     await page.locator('#inspect').getByText(`unsure about luggage #${first}, by second (note: un’ombra)`).waitFor();
     await page.locator('#inspect').getByText('another person judges now').waitFor();
-    must(await page.locator('#inspect .takes li').count() === 2, 'the earlier photos are not beside the latest');
+    await until(async () => await page.locator('#inspect .takes li').count() === 2, 'the earlier photos beside the latest', patience);
     await picture('unsure');
     await picture('unsure-in-italian', other);
 
@@ -103,9 +103,9 @@ const judges = {
     must(!(await state()).mission.keepOut, 'a ring is left');
     // The person in charge closes the mission, and has seen what is left open.
     await page.getByRole('link', { name: 'Close the mission' }).first().click();
+    await page.getByLabel('Name of the person in charge').fill('Anna Rossi');
     const open = await page.locator('main li').allInnerTexts();
     must(open.some((line) => /cells never visited: \d+/.test(line)), `left open: ${open}`);
-    await page.getByLabel('Name of the person in charge').fill('Anna Rossi');
     await page.getByLabel('Note').fill('handed to the police');
     await picture('closing');
     await page.getByRole('button', { name: 'Close the mission' }).click();
