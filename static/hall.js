@@ -169,10 +169,39 @@ const hall = (() => {
   offer.append(Object.assign(document.createElement("button"), { className: "small" }));
   stage.append(offer);
 
-  /** A free cell was pressed: the robot can be sent there, when driving is allowed. */
+  // ---- an area to search again ----
+
+  const area = document.createElementNS("http://www.w3.org/2000/svg", "path");
+  area.setAttribute("class", "again");
+  svg.append(area);
+  let corners = 0;
+
+  /** The pressed cell becomes a corner of the area: the first of a new area, or the opposite one. */
+  function putCorner(form, { x, y }) {
+    const { elements } = form;
+    if (corners++ % 2 === 0) [elements.x.value, elements.y.value] = [x, y];
+    [elements.toX.value, elements.toY.value] = [x, y];
+    outline(form);
+  }
+
+  /** Draws the area that is typed or chosen. */
+  function outline({ elements }) {
+    const [x, y, toX, toY] = ["x", "y", "toX", "toY"].map((name) => parseInt(elements[name].value, 10));
+    const [left, top, width, height] = [Math.min(x, toX), Math.min(y, toY), Math.abs(toX - x) + 1, Math.abs(toY - y) + 1].map((n) => n * CELL);
+    area.setAttribute("d", Number.isNaN(left + top) ? "" : `M${left} ${top}h${width}v${height}h${-width}z`);
+  }
+
+  document.addEventListener("input", ({ target }) => target.closest("#again") && outline(target.form));
+  document.addEventListener("submit", ({ target }) => {
+    if (target.closest("#again")) setTimeout(() => area.setAttribute("d", ""));
+  }, { capture: true });
+
+  /** A free cell was pressed: it is a corner of an area, or the robot can be sent there, when this is allowed. */
   function offerCell(event) {
     hideOffer();
     const isFree = event.target.closest?.(".visited, .trail, .route, .ray");
+    const again = document.querySelector("#again[open] form");
+    if (again && !root.dataset.past && !again.querySelector("fieldset").disabled) return putCorner(again, cellOf(under(event)));
     const drive = document.querySelector("#manual form[action='./console/goto']");
     if (!isFree || root.dataset.past || !drive || drive.querySelector("fieldset").disabled) return;
     const cell = cellOf(under(event));

@@ -13,7 +13,7 @@ use hallsweep_core::closing::Closing;
 use hallsweep_core::command::{Command, CommandId, Hot, HotAnswer, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
 use hallsweep_core::units::{Cell, Celsius, Epoch, LuggageId};
 use hallsweep_core::words::is_visible;
-use hallsweep_core::world::hall_map::REACH;
+use hallsweep_core::world::hall_map::{Bounds, REACH};
 
 pub use super::fields::Unusable;
 
@@ -38,7 +38,7 @@ pub struct RetrieveBody {
     epoch: Option<u64>,
 }
 
-/// Statement of the person in charge, as `{"name":"Anna Rossi","openPoints":"7:0,1,21,0,111,0"}`.
+/// Statement of the person in charge, as `{"name":"Anna Rossi","openPoints":"7:0,1,21,0,0,111,0"}`.
 #[derive(Clone, Debug, JsonSchema)]
 #[schemars(deny_unknown_fields, rename_all = "camelCase")]
 pub struct CloseBody {
@@ -75,6 +75,27 @@ pub struct GotoBody {
     /// Row, growing to the south.
     #[schemars(range(min = -REACH, max = REACH))]
     y: i64,
+    /// Epoch that the sender saw last. The command is refused if a stop has happened since then.
+    #[schemars(range(max = u64::MAX))]
+    epoch: Option<u64>,
+}
+
+/// Area that was searched, by two opposite corners, as `{"x":1,"y":1,"toX":4,"toY":3}`.
+#[derive(Clone, Copy, Debug, JsonSchema)]
+#[schemars(deny_unknown_fields, rename_all = "camelCase")]
+pub struct AreaBody {
+    /// Column of a corner, growing to the east.
+    #[schemars(range(min = -REACH, max = REACH))]
+    x: i64,
+    /// Row of this corner, growing to the south.
+    #[schemars(range(min = -REACH, max = REACH))]
+    y: i64,
+    /// Column of the opposite corner.
+    #[schemars(range(min = -REACH, max = REACH))]
+    to_x: i64,
+    /// Row of the opposite corner.
+    #[schemars(range(min = -REACH, max = REACH))]
+    to_y: i64,
     /// Epoch that the sender saw last. The command is refused if a stop has happened since then.
     #[schemars(range(max = u64::MAX))]
     epoch: Option<u64>,
@@ -215,6 +236,16 @@ impl Body for GotoBody {
     }
 }
 
+impl Body for AreaBody {
+    const FIELDS: &'static [&'static str] = &["x", "y", "toX", "toY", "epoch"];
+
+    fn taken(fields: &BodyFields) -> Result<AreaBody, Unusable> {
+        let side = |name| needed(fields.whole(name)?, name, "{\"x\":1,\"y\":1,\"toX\":4,\"toY\":3}");
+        let epoch = fields.count("epoch")?;
+        Ok(AreaBody { x: side("x")?, y: side("y")?, to_x: side("toX")?, to_y: side("toY")?, epoch })
+    }
+}
+
 impl Body for VerdictBody {
     const FIELDS: &'static [&'static str] = &["verdict", "note", "hidden", "obvious", "typical"];
 
@@ -268,6 +299,12 @@ impl MoveBody {
 impl GotoBody {
     pub fn command(self) -> Result<(Command, Option<Epoch>), Unusable> {
         Ok((goto(self.x, self.y)?, self.epoch.map(Epoch)))
+    }
+}
+
+impl AreaBody {
+    pub fn command(self) -> Result<(Command, Option<Epoch>), Unusable> {
+        Ok((search_again((self.x, self.y), (self.to_x, self.to_y))?, self.epoch.map(Epoch)))
     }
 }
 
@@ -403,11 +440,18 @@ pub fn move_word(word: &str) -> Result<Command, Unusable> {
 }
 
 pub fn goto(x: i64, y: i64) -> Result<Command, Unusable> {
+    cell(x, y).map(Command::Goto)
+}
+
+/// Reads an area from two opposite corners, in any order.
+pub fn search_again(one: (i64, i64), other: (i64, i64)) -> Result<Command, Unusable> {
+    Ok(Command::SearchAgain(Bounds::of(cell(one.0, one.1)?).including(cell(other.0, other.1)?)))
+}
+
+fn cell(x: i64, y: i64) -> Result<Cell, Unusable> {
     let within = |value: i64| i32::try_from(value).ok().filter(|value| (-REACH..=REACH).contains(value));
-    match (within(x), within(y)) {
-        (Some(x), Some(y)) => Ok(Command::Goto(Cell::new(x, y))),
-        _ => Err(Unusable(format!("({x}, {y}) is out of reach: x and y must be between -{REACH} and {REACH}"))),
-    }
+    let cell = within(x).zip(within(y)).map(|(x, y)| Cell::new(x, y));
+    cell.ok_or_else(|| Unusable(format!("({x}, {y}) is out of reach: x and y must be between -{REACH} and {REACH}")))
 }
 
 pub fn reading(degrees: f64) -> Result<TemperatureReport, Unusable> {

@@ -2,7 +2,9 @@
 //! topics. The lists of commands in `docs/` are derived from it, too. A new command needs one row here, and its
 //! effect in the core. The fields of each command are in `command`; each door reads payloads in its own way.
 
-use super::command::{CloseBody, EpochBody, GotoBody, MoveBody, RetrieveBody, StrategyBody, TemperatureBody, VerdictBody};
+use super::command::{
+    AreaBody, CloseBody, EpochBody, GotoBody, MoveBody, RetrieveBody, StrategyBody, TemperatureBody, VerdictBody,
+};
 use super::fields::{Body, Unusable};
 use crate::access::Need;
 use hallsweep_core::command::{Command, LuggageRef};
@@ -17,6 +19,7 @@ pub enum CommandKind {
     Retrieve,
     Reset,
     Close,
+    SearchAgain,
     Move,
     Goto,
     Verdict,
@@ -45,6 +48,7 @@ pub enum Takes {
     /// The body has at most an epoch and the number of a piece, and may be missing.
     Retrieve,
     Close,
+    Area,
     Move,
     Goto,
     Verdict,
@@ -83,7 +87,7 @@ const EPOCH: &[&str] = &[r#"{"epoch":4}"#];
 
 /// The doors and `docs/` list the commands in this order.
 #[rustfmt::skip]
-pub const COMMANDS: [CommandRow; 14] = [
+pub const COMMANDS: [CommandRow; 15] = [
     word("start", "/commands/start", "begin or resume the mission", CommandKind::Start, EPOCH),
     CommandRow { need: Need::Stop, takes: Takes::Nothing, ..word("stop", "/commands/stop", "halt the robot", CommandKind::Stop, &[]) },
     word("backHome", "/commands/backHome", "go home and wait", CommandKind::BackHome, EPOCH),
@@ -92,7 +96,9 @@ pub const COMMANDS: [CommandRow; 14] = [
         &[r#"{"epoch":4}"#, r#"{"luggage":3}"#]) },
     word("reset", "/commands/reset", "end the mission", CommandKind::Reset, &[]),
     CommandRow { takes: Takes::Close, ..word("close", "/commands/close", "state that the search is over", CommandKind::Close,
-        &[r#"{"name":"Anna Rossi","openPoints":"7:0,1,21,0,111,0"}"#]) },
+        &[r#"{"name":"Anna Rossi","openPoints":"7:0,1,21,0,0,111,0"}"#]) },
+    CommandRow { takes: Takes::Area, ..word("searchAgain", "/commands/searchAgain", "search an area again", CommandKind::SearchAgain,
+        &[r#"{"x":1,"y":1,"toX":4,"toY":3}"#]) },
     CommandRow { need: Need::Stop, takes: Takes::Move, ..word("move", "/commands/move", "move once by hand", CommandKind::Move,
         &[r#"{"move":"w"}"#, r#"{"move":"h"}"#]) },
     CommandRow { takes: Takes::Goto, ..word("goto", "/commands/goto", "drive to a cell", CommandKind::Goto, &[r#"{"x":1,"y":1}"#]) },
@@ -145,6 +151,7 @@ pub fn asked<P: Payload>(kind: CommandKind, number: u64, payload: &P) -> Result<
         CommandKind::Retrieve => Ok(payload.optional::<RetrieveBody>()?.command()),
         CommandKind::Reset => with_epoch(Command::Reset),
         CommandKind::Close => Ok((payload.needed::<CloseBody>()?.command()?, None)),
+        CommandKind::SearchAgain => Ok(payload.needed::<AreaBody>()?.command()?),
         CommandKind::Move => Ok(payload.needed::<MoveBody>()?.command()?),
         CommandKind::Goto => Ok(payload.needed::<GotoBody>()?.command()?),
         CommandKind::Verdict => Ok((payload.needed::<VerdictBody>()?.command(luggage)?, None)),

@@ -50,6 +50,9 @@ pub struct MissionJson {
     /// Keep-out rings round the bombs in the hall that nobody is fetching; absent if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub keep_out: Vec<RingJson>,
+    /// Number of searched cells that the robot has to visit once more; absent if there are none.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub search_again: usize,
     /// Statement with which the mission was closed; absent if it is not closed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub closed: Option<ClosedJson>,
@@ -136,6 +139,7 @@ pub struct RefusalsJson {
     pub start: Option<String>,
     pub back_home: Option<String>,
     pub go_on: Option<String>,
+    pub search_again: Option<String>,
     pub retrieve: Option<String>,
     pub reset: Option<String>,
     pub drive: Option<String>,
@@ -171,6 +175,7 @@ impl MissionJson {
             strategy: mission.strategy.name(),
             epoch: mission.epoch.0,
             progress: mission.progress.into(),
+            search_again: mission.again.len(),
             closed: mission.closed.as_deref().map(ClosedJson::from),
             keep_out: rings(&mission.keep_out),
             refusals: (&mission.refusals).into(),
@@ -219,6 +224,7 @@ impl From<&Refusals> for RefusalsJson {
             start: words(&refusals.start),
             back_home: words(&refusals.back_home),
             go_on: words(&refusals.go_on),
+            search_again: words(&refusals.search_again),
             retrieve: words(&refusals.retrieve),
             reset: words(&refusals.reset),
             drive: words(&refusals.drive),

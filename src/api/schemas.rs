@@ -6,7 +6,9 @@ use schemars::{JsonSchema, Schema};
 use serde_json::{Map, Value};
 
 use super::alarm::AlarmJson;
-use super::command::{CloseBody, EpochBody, GotoBody, MoveBody, RetrieveBody, StrategyBody, TemperatureBody, VerdictBody};
+use super::command::{
+    AreaBody, CloseBody, EpochBody, GotoBody, MoveBody, RetrieveBody, StrategyBody, TemperatureBody, VerdictBody,
+};
 use super::commands::Takes;
 use super::log::LogLineJson;
 use super::luggage::LuggageJson;
@@ -69,6 +71,7 @@ impl Schemas {
             Takes::Epoch => self.taken::<EpochBody>(),
             Takes::Retrieve => self.taken::<RetrieveBody>(),
             Takes::Close => self.taken::<CloseBody>(),
+            Takes::Area => self.taken::<AreaBody>(),
             Takes::Move => self.taken::<MoveBody>(),
             Takes::Goto => self.taken::<GotoBody>(),
             Takes::Verdict => self.taken::<VerdictBody>(),
@@ -142,6 +145,7 @@ mod tests {
         check::<EpochBody>();
         check::<MoveBody>();
         check::<GotoBody>();
+        check::<AreaBody>();
         check::<VerdictBody>();
         check::<StrategyBody>();
         check::<TemperatureBody>();

@@ -1,7 +1,7 @@
 // Two people judge: one is unsure at first. What the first answers stays hidden from the second, each on a page in another language. After a
 // danger the search goes on, and both bombs are fetched, the second one first.
 
-import { appears, button, fits, look, must, numberOf, phase, photoIsShown, safe, start, until } from './person.mjs';
+import { appears, button, fits, look, must, numberOf, phase, photoIsShown, safe, start, tab, until } from './person.mjs';
 
 async function signIn(page, url, token) {
   await page.goto(`${url}/sign-in?token=${token}`);
@@ -101,7 +101,27 @@ const judges = {
     await phase(page, /secured/i, waiting);
     await picture('both-fetched');
     must(!(await state()).mission.keepOut, 'a ring is left');
+
+    // An area that was searched is searched again: two cells of the map are its corners.
+    const ways = await page.locator('#hall .visited').first().boundingBox();
+    await tab(page, 'Drive');
+    await page.getByText('Search an area again').click();
+    await page.mouse.click(ways.x + 3, ways.y + 3);
+    const again = page.locator('#again form');
+    await until(async () => await again.getByLabel('Column', { exact: true }).inputValue() !== '', 'the first corner', patience);
+    await again.getByLabel('Column', { exact: true }).fill('0');
+    await again.getByLabel('to column').fill('1');
+    for (const row of await again.getByLabel('row').all()) await row.fill('1');
+    await picture('again');
+    await again.getByRole('button').click();
+    await phase(page, /exploring/i, waiting);
+    await until(async () => !(await state()).mission.searchAgain, 'the area searched again', patience);
+    await button(page, 'BACK HOME').click();
+    await phase(page, /at home|home/i, waiting);
+    await until(async () => (await state()).mission.phase === 'atHome', 'home again', patience);
+
     // The person in charge closes the mission, and has seen what is left open.
+    await tab(page, 'Drive');
     await page.getByRole('link', { name: 'Close the mission' }).first().click();
     await page.getByLabel('Name of the person in charge').fill('Anna Rossi');
     const open = await page.locator('main li').allInnerTexts();
@@ -109,7 +129,8 @@ const judges = {
     await page.getByLabel('Note').fill('handed to the police');
     await picture('closing');
     await page.getByRole('button', { name: 'Close the mission' }).click();
-    await page.getByText('Closed by Anna Rossi at').first().waitFor();
+    await tab(page, 'Drive');
+    await page.locator('#more').getByText('Closed by Anna Rossi at').waitFor();
     await fits(page);
     await picture('closed');
     const { closed } = (await state()).mission;

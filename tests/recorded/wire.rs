@@ -108,7 +108,12 @@ pub(crate) fn refusals() -> Vec<Refused> {
         Refused::Decided { luggage: piece, verdict: Verdict::Safe },
         Refused::Decided { luggage: piece, verdict: Verdict::Danger },
         Refused::NotABomb(piece),
-        Refused::OpenPoints { mission: MissionId(7), open: OpenPoints { pending: 1, unvisited: 12, ..OpenPoints::default() } },
+        Refused::OpenPoints {
+            mission: MissionId(7),
+            open: Box::new(OpenPoints { pending: 1, unvisited: 12, ..OpenPoints::default() }),
+        },
+        Refused::NothingSearched,
+        Refused::AreaTooLarge(4096),
         Refused::NoPhoto(piece),
         Refused::HotUnanswered(piece),
         Refused::NotInspected(piece),

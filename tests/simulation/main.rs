@@ -21,6 +21,7 @@ mod replay;
 mod retrieval;
 mod retrieval_alone;
 mod retrieval_faults;
+mod rules_again;
 mod rules_alarms;
 mod rules_closing;
 mod rules_commands;

@@ -13,7 +13,7 @@ use hallsweep_core::robot::{RobotId, RobotState};
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
-use hallsweep_core::world::hall_map::Mark;
+use hallsweep_core::world::hall_map::{Bounds, Mark};
 use hallsweep_sim::headless::Run;
 use hallsweep_sim::{Hall, SimSettings, Truth};
 
@@ -68,13 +68,20 @@ pub(crate) fn any_command(dice: &mut RandomStream, run: &mut Run) -> Command {
         13 => Command::Goto(Cell::new(dice.below(12) as i32 - 2, dice.below(12) as i32 - 2)),
         14 if dice.below(2) == 0 => Command::RetakePhoto(LuggageId(pending)),
         14 => Command::Unsure { luggage: LuggageRef::Id(LuggageId(pending)), note: None, hot: Default::default() },
-        _ => match dice.below(4) {
+        _ => match dice.below(5) {
             0 => Command::Reset,
-            1 => Command::Acknowledge(AlarmId(1)),
-            2 => Command::Retrieve(None),
+            1 => any_area(dice),
+            2 => Command::Acknowledge(AlarmId(1)),
+            3 => Command::Retrieve(None),
             _ => Command::ChooseStrategy(Default::default()),
         },
     }
+}
+
+pub(crate) fn any_area(dice: &mut RandomStream) -> Command {
+    let least = Cell::new(dice.below(9) as i32 - 1, dice.below(9) as i32 - 1);
+    let most = Cell::new(least.x + dice.below(6) as i32, least.y + dice.below(6) as i32);
+    Command::SearchAgain(Bounds { least, most })
 }
 
 /// State that is checked from one moment to the next.
@@ -141,8 +148,8 @@ fn give_and_check(run: &mut Run, watch: &mut Watch, hall: &Hall, command: Comman
     let after = run.state();
     if result.is_ok() {
         watch.waits = after.mission.holds.contains(&Hold::AwaitingStart);
-        // A drive by hand or round a piece may show more of the hall, and a reset forgets the goal.
-        let is_drive = matches!(command, Command::Move(_) | Command::Goto(_) | Command::Unsure { .. });
+        // A drive by hand or round a piece may show more of the hall, and other commands forget the goal.
+        let is_drive = matches!(command, Command::Move(_) | Command::Goto(_) | Command::Unsure { .. } | Command::SearchAgain(_));
         if is_drive || matches!(command, Command::Reset | Command::ChooseStrategy(_)) || after.mission.id != before.mission.id {
             watch.goal = None;
         }

@@ -19,6 +19,7 @@ use hallsweep_sim::{Hall, SimSettings, Truth};
 
 use crate::halls;
 use crate::mortal::Mortal;
+use crate::random_commands::any_area;
 use crate::random_halls::in_turn;
 use crate::shown::Record;
 
@@ -85,7 +86,9 @@ fn any_command(dice: &mut RandomStream, pending: u64) -> Command {
         12 if dice.below(2) == 0 => Command::RetakePhoto(LuggageId(pending)),
         12 => Command::Unsure { luggage: LuggageRef::Id(LuggageId(pending)), note: None, hot: Default::default() },
         _ => {
-            if dice.below(2) == 0 {
+            if dice.below(3) == 0 {
+                any_area(dice)
+            } else if dice.below(2) == 0 {
                 Command::Reset
             } else {
                 Command::Acknowledge(AlarmId(1))
@@ -120,7 +123,7 @@ impl Seen {
             }
         }
         let state = mortal.state();
-        if state.mission.id.0 != self.mission || state.mission.phase == PhaseName::Idle {
+        if state.mission.id.0 != self.mission || is_idle(&state) {
             self.mission = state.mission.id.0;
             self.luggage.clear();
         }
@@ -132,7 +135,7 @@ impl Seen {
     fn check(&mut self, mortal: &mut Mortal, seed: u64) {
         self.asked.clear();
         let state = mortal.state();
-        if state.mission.id.0 == self.mission && state.mission.phase != PhaseName::Idle {
+        if state.mission.id.0 == self.mission && !is_idle(&state) {
             for (id, verdict) in &self.luggage {
                 let found = state.luggage(*id).unwrap_or_else(|| panic!("seed {seed}: luggage #{id} is gone"));
                 let stands = found.verdict.as_ref().map(|decision| decision.verdict);
@@ -147,6 +150,11 @@ impl Seen {
         assert!(state.mission.holds.contains(&Hold::Restart) || mortal.disk.is_empty(), "seed {seed}: {:?}", state.mission.holds);
         self.look(mortal);
     }
+}
+
+/// Whether no mission is under way, even while somebody drives the robot by hand.
+fn is_idle(state: &Snapshot) -> bool {
+    state.mission.phase == PhaseName::Idle || state.mission.interrupted == Some(PhaseName::Idle)
 }
 
 /// Safety R1: nothing moves until a START, however long the wait.

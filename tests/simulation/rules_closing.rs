@@ -91,7 +91,7 @@ fn what_is_left_open_is_named_before_a_mission_is_closed() {
     assert_eq!((open.pending, open.bombs, open.unreachable), (0, 1, 4));
     assert!(open.places > 0 && open.unvisited > 0, "{open:?}");
     let mission = run.state().mission.id;
-    let refused = Refused::OpenPoints { mission, open };
+    let refused = Refused::OpenPoints { mission, open: Box::new(open) };
     let others = [OpenPoints { bombs: 0, pending: 1, ..open }, OpenPoints::default()].map(|other| other.code(mission));
     for seen in others.into_iter().chain([String::new(), open.code(mission.next())]) {
         assert_eq!(run.give(close(&seen)), Err(refused.clone()), "{seen}");

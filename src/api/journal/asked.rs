@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::coded::{Coded, Valued};
 use super::names::{self, Step};
-use super::places::Point;
+use super::places::{AreaShape, Point};
 use super::{Unparsed, earlier};
 use hallsweep_core::asked::Asked;
 use hallsweep_core::closing::Closing;
@@ -77,6 +77,7 @@ fn of_command(command: &Command) -> Coded {
             let note = note.as_ref().map(Note::text);
             Coded::new(code, json!({ "name": name.text(), "note": note, "openPoints": &**seen }))
         }
+        Carries::Area(area) => Coded::new(code, json!({ "area": AreaShape::from(area) })),
         Carries::Unsure(luggage, note, hot) => Coded::new(code, answer(luggage, note, hot)),
         Carries::Strategy(strategy) => Coded::new(code, json!({ "strategy": strategy.name() })),
         Carries::Temperature(TemperatureReport::Ok) => Coded::bare("temperatureOk"),
@@ -130,6 +131,7 @@ fn command(coded: &Coded) -> Result<Command, Unparsed> {
             let (note, seen) = (names::note(coded.field("note")?)?, coded.field::<String>("openPoints")?.into());
             Command::Close(Closing { name, note, seen })
         }
+        "searchAgain" => Command::SearchAgain(coded.field::<AreaShape>("area")?.into()),
         "retake" => Command::RetakePhoto(LuggageId(coded.field("luggage")?)),
         "acknowledge" => Command::Acknowledge(AlarmId(coded.field("alarm")?)),
         "strategy" => Command::ChooseStrategy(names::strategy(&coded.field::<String>("strategy")?)?),

@@ -30,6 +30,8 @@ pub struct OpenShape {
     places: usize,
     /// Number of such places inside keep-out rings, which are not in `places`.
     kept_out: usize,
+    /// Number of cells that were to be searched again and were not reached.
+    again: usize,
     /// Number of cells that can be reached but were not visited; 0 if the hall is not known beforehand.
     unvisited: usize,
     /// Number of free cells that cannot be reached from the start; 0 if the hall is not known beforehand.
@@ -52,13 +54,13 @@ impl ClosedShape {
 }
 
 impl From<OpenPoints> for OpenShape {
-    fn from(OpenPoints { pending, bombs, places, kept_out, unvisited, unreachable }: OpenPoints) -> OpenShape {
-        OpenShape { pending, bombs, places, kept_out, unvisited, unreachable }
+    fn from(OpenPoints { pending, bombs, places, kept_out, again, unvisited, unreachable }: OpenPoints) -> OpenShape {
+        OpenShape { pending, bombs, places, kept_out, again, unvisited, unreachable }
     }
 }
 
 impl From<OpenShape> for OpenPoints {
-    fn from(OpenShape { pending, bombs, places, kept_out, unvisited, unreachable }: OpenShape) -> OpenPoints {
-        OpenPoints { pending, bombs, places, kept_out, unvisited, unreachable }
+    fn from(OpenShape { pending, bombs, places, kept_out, again, unvisited, unreachable }: OpenShape) -> OpenPoints {
+        OpenPoints { pending, bombs, places, kept_out, again, unvisited, unreachable }
     }
 }

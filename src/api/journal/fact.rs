@@ -10,7 +10,7 @@ use super::conditions::ConditionsShape;
 use super::luggage::{HotShape, JudgementShape, LuggageShape};
 use super::names::SearchShape;
 use super::phase::PhaseShape;
-use super::places::{GoalShape, PoseShape};
+use super::places::{AreaShape, GoalShape, PoseShape};
 use super::retrieval::RetrievalShape;
 use super::standing::StandingShape;
 use super::{Picture, Unparsed, map, names, places, refused, retrieval};
@@ -139,6 +139,8 @@ pub(super) enum Shape {
     Judged(JudgementShape),
     /// The person in charge has closed the mission.
     Closed(ClosedShape),
+    /// The searched cells of this area are to be searched again.
+    SearchAgain(AreaShape),
     Temperature {
         source: String,
         celsius: f64,
@@ -207,6 +209,7 @@ pub const fn kind(fact: &Fact) -> &'static str {
         Fact::Unsure { .. } => "unsure",
         Fact::Judged(_) => "judged",
         Fact::Closed(_) => "closed",
+        Fact::SearchAgain(_) => "searchAgain",
         Fact::Temperature(..) => "temperature",
         Fact::ThermometerSilent(_) => "thermometerSilent",
         Fact::AlarmRaised(..) => "alarmRaised",
@@ -278,6 +281,7 @@ impl Shape {
                 hot: (*hot).into(),
             },
             Fact::Closed(closed) => Shape::Closed((&**closed).into()),
+            Fact::SearchAgain(area) => Shape::SearchAgain((*area).into()),
             Fact::Temperature(source, celsius) => Shape::Temperature { source: source.to_string(), celsius: celsius.degrees() },
             Fact::ThermometerSilent(source) => Shape::ThermometerSilent { source: source.to_string() },
             Fact::AlarmRaised(alarm, luggage, cause) => {
@@ -342,6 +346,7 @@ impl Shape {
                 hot: hot.hot()?,
             },
             Shape::Closed(closed) => Fact::Closed(Box::new(closed.closed()?)),
+            Shape::SearchAgain(area) => Fact::SearchAgain(area.into()),
             Shape::Temperature { source, celsius } => Fact::Temperature(source.into(), names::celsius(celsius)?),
             Shape::ThermometerSilent { source } => Fact::ThermometerSilent(source.into()),
             Shape::AlarmRaised { alarm, luggage, text } => {

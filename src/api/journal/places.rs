@@ -8,7 +8,7 @@ use super::{Unparsed, names};
 use crate::api::time::rfc3339;
 use hallsweep_core::search::Goal;
 use hallsweep_core::units::{Cell, Pose, WallTime};
-use hallsweep_core::world::hall_map::REACH;
+use hallsweep_core::world::hall_map::{Bounds, REACH};
 
 /// Maximum coordinate of a cell in a journal, in each direction from home: twice the reach of a map.
 const FARTHEST: i32 = 2 * REACH;
@@ -19,6 +19,20 @@ pub(super) struct Point {
     pub(super) x: i32,
     #[serde(deserialize_with = "side")]
     pub(super) y: i32,
+}
+
+/// Two opposite corners of an area of cells.
+#[derive(Serialize, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct AreaShape {
+    #[serde(deserialize_with = "side")]
+    x: i32,
+    #[serde(deserialize_with = "side")]
+    y: i32,
+    #[serde(deserialize_with = "side")]
+    to_x: i32,
+    #[serde(deserialize_with = "side")]
+    to_y: i32,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -56,6 +70,18 @@ impl From<Cell> for Point {
 impl From<Point> for Cell {
     fn from(Point { x, y }: Point) -> Cell {
         Cell { x, y }
+    }
+}
+
+impl From<Bounds> for AreaShape {
+    fn from(Bounds { least, most }: Bounds) -> AreaShape {
+        AreaShape { x: least.x, y: least.y, to_x: most.x, to_y: most.y }
+    }
+}
+
+impl From<AreaShape> for Bounds {
+    fn from(AreaShape { x, y, to_x, to_y }: AreaShape) -> Bounds {
+        Bounds { least: Cell::new(x, y), most: Cell::new(to_x, to_y) }
     }
 }
 

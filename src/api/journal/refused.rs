@@ -34,7 +34,8 @@ pub(super) fn written(refused: &Refused, form: Form) -> Coded {
         Refused::FetcherUnreached(robot) | Refused::FetcherAbroad(robot) => json!({ "robot": robot.name() }),
         Refused::FaultStands(fault) => json!({ "fault": CauseShape::of(fault, form) }),
         Refused::OtherContent(id) => json!({ "id": id.text() }),
-        Refused::OpenPoints { mission, open } => json!({ "mission": mission.0, "open": OpenShape::from(*open) }),
+        Refused::OpenPoints { mission, open } => json!({ "mission": mission.0, "open": OpenShape::from(**open) }),
+        Refused::AreaTooLarge(most) => json!({ "most": most }),
         Refused::UnknownSensor(sensor) => json!({ "sensor": &**sensor }),
         Refused::NotAllowed(_) | Refused::InWords(_) => json!({ "words": refused.to_string() }),
         Refused::SentBefore
@@ -46,6 +47,7 @@ pub(super) fn written(refused: &Refused, form: Form) -> Coded {
         | Refused::NothingPending
         | Refused::PhotoUnderWay
         | Refused::NoRetrievalRobot
+        | Refused::NothingSearched
         | Refused::StoreDown
         | Refused::NotKept
         | Refused::NotOnRecord => Value::Null,
@@ -95,9 +97,11 @@ fn value(coded: &Coded) -> Result<Refused, Unparsed> {
         "fetcherUnreached" => Refused::FetcherUnreached(robot()?),
         "fetcherAbroad" => Refused::FetcherAbroad(robot()?),
         "openPoints" => {
-            let (mission, open) = (MissionId(coded.field("mission")?), coded.field::<OpenShape>("open")?.into());
-            Refused::OpenPoints { mission, open }
+            let open = Box::new(coded.field::<OpenShape>("open")?.into());
+            Refused::OpenPoints { mission: MissionId(coded.field("mission")?), open }
         }
+        "nothingSearched" => Refused::NothingSearched,
+        "areaTooLarge" => Refused::AreaTooLarge(coded.field("most")?),
         "faultStands" => Refused::FaultStands(coded.field::<CauseShape>("fault")?.cause()?),
         "storeDown" => Refused::StoreDown,
         "notKept" => Refused::NotKept,

@@ -31,6 +31,9 @@ pub(super) struct StandingShape {
     search: SearchShape,
     goal: Option<GoalShape>,
     blocked: Vec<Point>,
+    /// Cells that are to be searched again.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    again: Vec<Point>,
     pose: PoseShape,
     /// Poses of all robots except the robot that searches.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
@@ -71,6 +74,7 @@ impl StandingShape {
             search: (&state.search).into(),
             goal: state.goal.map(GoalShape::from),
             blocked: state.blocked.iter().copied().map(Point::from).collect(),
+            again: state.again.iter().copied().map(Point::from).collect(),
             pose: state.pose.into(),
             others: state.others.iter().map(|(robot, pose)| (robot.name().to_owned(), (*pose).into())).collect(),
             outside: state.outside.iter().map(|(robot, steps)| (robot.name().to_owned(), *steps)).collect(),
@@ -101,6 +105,7 @@ impl StandingShape {
             search: self.search.search()?,
             goal: self.goal.map(Into::into),
             blocked: self.blocked.into_iter().map(Into::into).collect(),
+            again: Arc::new(self.again.into_iter().map(Into::into).collect()),
             pose: self.pose.pose()?,
             others: self
                 .others

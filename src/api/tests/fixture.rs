@@ -179,6 +179,7 @@ fn alone(view: RobotView) -> Arc<[RobotShown]> {
 fn idle_mission() -> MissionView {
     MissionView {
         open: Default::default(),
+        again: Default::default(),
         is_viewing: false,
         closed: None,
         id: MissionId(0),

@@ -140,6 +140,7 @@ mod tests {
     use hallsweep_core::command::{Hot, HotAnswer, LuggageRef, Move, Note, TemperatureReport, Verdict};
     use hallsweep_core::refused::Refused;
     use hallsweep_core::units::{AlarmId, Cell, LuggageId};
+    use hallsweep_core::world::hall_map::Bounds;
 
     async fn check(app: &TestApp, method: &str, path: &str, body: &str, expect: u16) -> serde_json::Value {
         let (status, json) = app.json(method, &format!("/api/v1{path}"), body).await;
@@ -167,6 +168,7 @@ mod tests {
         };
         let closing =
             Command::Close(Closing { name: Note::new("Anna Rossi").unwrap(), note: None, seen: "7:1,0,0,0,0,0".into() });
+        let area = Bounds { least: Cell::new(1, -1), most: Cell::new(3, 4) };
         let unsure = Command::Unsure {
             luggage: LuggageRef::Id(LuggageId(3)),
             note: Note::new("red"),
@@ -182,6 +184,7 @@ mod tests {
             ("POST", "/commands/retrieve", r#"{"luggage":3}"#, Command::Retrieve(Some(LuggageId(3)))),
             ("POST", "/commands/reset", "", Command::Reset),
             ("POST", "/commands/close", r#"{"name":"Anna Rossi","openPoints":"7:1,0,0,0,0,0"}"#, closing),
+            ("POST", "/commands/searchAgain", r#"{"x":3,"y":-1,"toX":1,"toY":4}"#, Command::SearchAgain(area)),
             ("POST", "/commands/move", r#"{"move":"w"}"#, Command::Move(Move::Forward)),
             ("POST", "/commands/move", r#"{"move":"h"}"#, Command::Stop),
             ("POST", "/commands/goto", r#"{"x":4,"y":-2}"#, Command::Goto(cell)),
@@ -237,6 +240,10 @@ mod tests {
             ("POST", "/commands/move", r#"{"move":"q"}"#, 422),
             ("POST", "/commands/move", r#"{"move":1}"#, 422),
             ("POST", "/commands/goto", r#"{"x":1}"#, 422),
+            ("POST", "/commands/searchAgain", r#"{"x":1,"y":1,"toX":2}"#, 422),
+            ("POST", "/commands/searchAgain", r#"{"x":1,"y":1,"toX":2,"toY":8193}"#, 422),
+            ("POST", "/commands/searchAgain", r#"{"x":1,"y":1,"toX":2,"toY":2.5}"#, 422),
+            ("POST", "/commands/searchAgain", r#"{"x":1,"y":1,"toX":2,"toY":2,"area":"bar"}"#, 422),
             ("POST", "/commands/close", r#"{"openPoints":"1:0"}"#, 422),
             ("POST", "/commands/close", r#"{"name":" "}"#, 422),
             ("POST", "/commands/close", r#"{"name":"a\u202eb"}"#, 422),

@@ -232,9 +232,11 @@ mod tests {
             Some(Refused::FetcherUnreached(_)) => Refused::FetcherAbroad(RobotId::discovery()),
             Some(Refused::FetcherAbroad(_)) => Refused::FaultStands(FaultCause::Unanswered),
             Some(Refused::FaultStands(_)) => {
-                Refused::OpenPoints { mission: MissionId(1), open: OpenPoints { bombs: 1, ..OpenPoints::default() } }
+                Refused::OpenPoints { mission: MissionId(1), open: Box::new(OpenPoints { bombs: 1, ..OpenPoints::default() }) }
             }
-            Some(Refused::OpenPoints { .. }) => Refused::StoreDown,
+            Some(Refused::OpenPoints { .. }) => Refused::NothingSearched,
+            Some(Refused::NothingSearched) => Refused::AreaTooLarge(4096),
+            Some(Refused::AreaTooLarge(_)) => Refused::StoreDown,
             Some(Refused::StoreDown) => Refused::NotKept,
             Some(Refused::NotKept) => Refused::OtherContent(CommandId::new("a-name").unwrap()),
             Some(Refused::OtherContent(_)) => Refused::UnknownSensor("roof".into()),

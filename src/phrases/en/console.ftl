@@ -304,6 +304,14 @@ reset-what = Archive this mission
 reset-consequence = RESET archives the mission; at home, RESET also empties the map. Nothing moves.
 reset-yes = Yes: RESET
 reset-button = RESET…
+again = Search an area again
+again-what = The robot visits all searched cells between two corners once more. Corners can also be chosen on the map.
+again-to-column = to column
+again-go = Search again
+again-cells = { $count ->
+    [one] 1 cell to search again
+   *[other] { $count } cells to search again
+}
 drive = Drive by hand
 drive-forward = forward
 drive-left = left

@@ -307,6 +307,14 @@ reset-what = Archiviare questa missione
 reset-consequence = ARCHIVIA archivia la missione; alla base svuota anche la mappa. Niente si muove.
 reset-yes = Sì: ARCHIVIA
 reset-button = ARCHIVIA…
+again = Riesplorare un’area
+again-what = Il robot visita ancora una volta tutte le celle esplorate tra due angoli. Gli angoli si possono scegliere anche sulla mappa.
+again-to-column = alla colonna
+again-go = Riesplorare
+again-cells = { $count ->
+    [one] 1 cella da riesplorare
+   *[other] { $count } celle da riesplorare
+}
 drive = Guida a mano
 drive-forward = avanti
 drive-left = sinistra

@@ -52,6 +52,7 @@ impl Language {
             Carries::Closing(Closing { name, note, .. }) => {
                 return self.with_remarks(named.with("name", name).to_string(), Hot::NONE, note.as_ref());
             }
+            Carries::Area(area) => named.with("from", area.least).with("to", area.most),
             Carries::Unsure(luggage, note, hot) => return self.answer_given(&named, luggage.or(meant), note, hot),
             Carries::Strategy(strategy) => named.with("strategy", self.say_of("strategy", strategy.name())),
             Carries::Temperature(TemperatureReport::Ok) => self.say("asked-ok"),

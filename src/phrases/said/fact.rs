@@ -114,6 +114,7 @@ impl Language {
                 note.as_ref().map_or_else(|| say.clone(), |note| say.clone().with("note", note))
             }
             Fact::Closed(closed) => return self.closed(closed),
+            Fact::SearchAgain(area) => self.say("fact-search-again").with("from", area.least).with("to", area.most),
             Fact::Temperature(source, celsius) => {
                 self.say("fact-temperature").with("celsius", self.celsius(*celsius)).with("source", source)
             }

@@ -39,8 +39,9 @@ impl Language {
             Refused::FetcherUnreached(robot) | Refused::FetcherAbroad(robot) => say().with("robot", robot),
             Refused::FaultStands(fault) => say().with("fault", self.fault(fault)),
             Refused::OpenPoints { mission, open } => {
-                say().with("open", self.open_points(*open).join(", ")).with("code", format!("{:?}", open.code(*mission)))
+                say().with("open", self.open_points(**open).join(", ")).with("code", format!("{:?}", open.code(*mission)))
             }
+            Refused::AreaTooLarge(most) => say().with("most", most),
             Refused::OtherContent(id) => say().with("id", id.text()),
             Refused::UnknownSensor(sensor) => say().with("sensor", format!("{sensor:?}")),
             Refused::NotAllowed(words) => say().with("detail", words),
@@ -57,6 +58,7 @@ impl Language {
             | Refused::NothingPending
             | Refused::PhotoUnderWay
             | Refused::NoRetrievalRobot
+            | Refused::NothingSearched
             | Refused::StoreDown
             | Refused::NotKept
             | Refused::NotOnRecord => say(),

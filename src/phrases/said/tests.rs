@@ -23,7 +23,7 @@ use hallsweep_core::state::fact::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::state::{Conditions, Inspection, Phase, Retrieval, RetrievalStage, Stage, Venue};
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Pose, Seq, WallTime};
 use hallsweep_core::world::alarm::AlarmCause;
-use hallsweep_core::world::hall_map::Mark;
+use hallsweep_core::world::hall_map::{Bounds, Mark};
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
 const ID: LuggageId = LuggageId(3);
@@ -64,6 +64,7 @@ fn commands() {
         Command::Retrieve(None),
         Command::Reset,
         Command::Goto(CELL),
+        Command::SearchAgain(Bounds { least: Cell::HOME, most: CELL }),
         Command::RetakePhoto(ID),
         Command::Acknowledge(AlarmId(4)),
         Command::Temperature(TemperatureReport::Ok),
@@ -215,10 +216,11 @@ fn the_journal() {
         Fact::MissionArchived(MissionId(2), vec![ID]),
         Fact::MissionArchived(MissionId(2), Vec::new()),
         Fact::Unsure { luggage: ID, who: "anna".into(), note: Note::new("a shadow"), hot: Hot::NONE },
+        Fact::SearchAgain(Bounds { least: Cell::HOME, most: CELL }),
         closed(None, OpenPoints::default()),
         closed(
             Note::new("handed over"),
-            OpenPoints { pending: 1, bombs: 2, places: 3, kept_out: 4, unvisited: 5, unreachable: 6 },
+            OpenPoints { pending: 1, bombs: 2, places: 3, kept_out: 4, again: 7, unvisited: 5, unreachable: 6 },
         ),
         Fact::Phase(fault),
         Fact::Phase(Phase::Idle),

@@ -141,6 +141,7 @@ impl CountedFact {
             | Fact::Judged(_)
             | Fact::Unsure { .. }
             | Fact::Closed(_)
+            | Fact::SearchAgain(_)
             | Fact::Holds(_)
             | Fact::Epoch(_)
             | Fact::Goal(..)
@@ -197,6 +198,7 @@ mod tests {
     use hallsweep_core::state::{PersistentState, Phase};
     use hallsweep_core::units::{AlarmId, Cell, Heading, MissionId, WallTime};
     use hallsweep_core::world::alarm::AlarmCause;
+    use hallsweep_core::world::hall_map::Bounds;
     use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
     fn handed() -> (HandedPages, Figures) {
@@ -320,7 +322,7 @@ mod tests {
         assert_eq!((figures.value("luggage_total"), figures.value("photos_total")), (3.0, 3.0));
     }
 
-    fn commands() -> [Command; 15] {
+    fn commands() -> [Command; 16] {
         [
             Command::Start,
             Command::Stop,
@@ -329,6 +331,7 @@ mod tests {
             Command::Retrieve(None),
             Command::Reset,
             Command::Close(Closing { name: Note::new("Anna").expect("a sound name"), note: None, seen: "".into() }),
+            Command::SearchAgain(Bounds::of(Cell::HOME)),
             Command::Move(Move::Forward),
             Command::Goto(Cell::HOME),
             Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None, hot: Default::default() },
@@ -349,7 +352,7 @@ mod tests {
             let times = |outcome: &str| figures.value(&format!("commands_total{{command=\"{name}\",outcome=\"{outcome}\"}}"));
             assert_eq!((times("accepted"), times("refused")), (1.0, 2.0), "{name}");
         }
-        assert_eq!(figures.value("refusals_total{code=\"held\"}"), 30.0);
+        assert_eq!(figures.value("refusals_total{code=\"held\"}"), 32.0);
     }
 
     #[test]

@@ -56,6 +56,7 @@ impl Engine {
             Act::ChooseStrategy => self.choose_strategy(context),
             Act::Archive => self.archive(),
             Act::Close => self.close_mission(context),
+            Act::SearchAgain => self.search_again(context),
             Act::RetryBlocked => self.retry_blocked(),
             Act::BeginRetrieval => self.begin_retrieval(context.luggage),
             Act::EndRetrieval => self.end_retrieval(),
@@ -293,6 +294,13 @@ impl Engine {
         let open = self.open_points(&self.state.map, &self.state.luggage);
         self.world.touch(Resource::Mission);
         self.record(Fact::Closed(Box::new(Closed { who, name, note, open, wall: self.now.wall })));
+    }
+
+    /// Notes the searched cells of an area, and makes the robot choose its next goal among them.
+    fn search_again(&mut self, context: &InputContext) {
+        let Some(area) = context.area else { return };
+        self.record(Fact::SearchAgain(area));
+        self.set_goal(None, self.state.search.clone());
     }
 
     /// Marks cells that were free and later blocked as free again, because somebody may have cleared the way.

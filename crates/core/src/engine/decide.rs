@@ -11,9 +11,9 @@ use crate::phase::{FaultCause, PhaseName};
 use crate::refused::Refused;
 use crate::search::plan::after;
 use crate::settings::{AfterDanger, HotRule, SafeBy};
-use crate::state::{Inspection, Phase, Stage};
+use crate::state::{Inspection, PersistentState, Phase, Stage};
 use crate::units::{Cell, Epoch, LuggageId};
-use crate::world::hall_map::Mark;
+use crate::world::hall_map::{Bounds, Mark};
 
 const NO_KEY: &str = "safe and unsure need a key, because two judges answer, and CoAP has no keys: use the console, HTTP or MQTT";
 
@@ -53,7 +53,10 @@ impl Engine {
     /// Refuses a movement command that was sent, or may have been sent, before the last stop (safety S4). Other
     /// commands are never refused as outdated.
     pub(super) fn refuse_outdated(&self, input: Input, request: &Request, sent: Option<Epoch>) -> Result<(), Refused> {
-        let moves = matches!(input, Input::Start | Input::BackHome | Input::GoOn | Input::Retrieve | Input::Move | Input::Goto);
+        let moves = matches!(
+            input,
+            Input::Start | Input::BackHome | Input::GoOn | Input::Retrieve | Input::Move | Input::Goto | Input::SearchAgain
+        );
         match sent {
             _ if moves && request.is_again && request.epoch.is_none() => Err(Refused::SentBefore),
             Some(sent) if moves && sent < self.state.epoch => Err(Refused::Outdated { sent, now: self.state.epoch }),
@@ -139,15 +142,8 @@ impl Engine {
                 let sensor = context.reading.as_ref().map(|(sensor, _)| sensor);
                 sensor.filter(|sensor| !self.watchdog.watches(sensor)).map(|sensor| Refused::UnknownSensor(Arc::clone(sensor)))
             }
-            Guard::OpenUnseen => {
-                if !self.state.under_way {
-                    return Some(Refused::NotInPhase(phase.name()));
-                }
-                let (mission, open) = (self.state.mission, self.open_points(&self.state.map, &self.state.luggage));
-                let seen = context.closing.as_ref().map(|closing| &*closing.seen)?;
-                let is_seen = seen == open.code(mission) || seen.is_empty() && open.is_empty();
-                forbids(!is_seen, Refused::OpenPoints { mission, open })
-            }
+            Guard::OpenUnseen => self.open_unseen(phase, context),
+            Guard::AreaUnfit => self.area_unfit(context.area?),
             Guard::FaultStands => self.fault_stands(phase).map(|cause| Refused::FaultStands(cause.clone())),
         }
     }
@@ -166,18 +162,38 @@ impl Engine {
         (!is_before || !is_open).then_some(Refused::NotInspected(id))
     }
 
-    /// The piece that an exploring robot waits for. In some phases only GO ON explores.
+    fn open_unseen(&self, phase: &Phase, context: &InputContext) -> Option<Refused> {
+        if !self.state.under_way {
+            return Some(Refused::NotInPhase(phase.name()));
+        }
+        let (mission, open) = (self.state.mission, self.open_points(&self.state.map, &self.state.luggage));
+        let seen = context.closing.as_ref().map(|closing| &*closing.seen)?;
+        let is_seen = seen == open.code(mission) || seen.is_empty() && open.is_empty();
+        (!is_seen).then(|| Refused::OpenPoints { mission, open: Box::new(open) })
+    }
+
+    /// Refuses an area without a searched cell, and an area that would make the list of cells too long.
+    fn area_unfit(&self, area: Bounds) -> Option<Refused> {
+        let most = PersistentState::MOST_AGAIN;
+        let fresh = self.state.searched_in(area).filter(|cell| !self.state.again.contains(cell)).take(most + 1).count();
+        if fresh + self.state.again.len() > most {
+            return Some(Refused::AreaTooLarge(most));
+        }
+        (fresh == 0).then_some(Refused::NothingSearched)
+    }
+
+    /// The piece that an exploring robot waits for. In some phases only these two commands explore.
     fn verdict_awaited(&self, phase: &Phase, input: Input) -> Option<LuggageId> {
         let explores = match phase.underlying() {
             Phase::Exploring | Phase::AtHome => true,
-            Phase::BombLocated | Phase::BagSecured => input == Input::GoOn,
+            Phase::BombLocated | Phase::BagSecured => matches!(input, Input::GoOn | Input::SearchAgain),
+            Phase::Explored => input == Input::SearchAgain,
             Phase::Idle
             | Phase::Inspecting(_)
             | Phase::Driving { .. }
             | Phase::ReturningHome
             | Phase::ReturningWithAlarm
             | Phase::Retrieving
-            | Phase::Explored
             | Phase::Fault { .. } => false,
         };
         self.first_pending(true).filter(|_| explores)
@@ -205,7 +221,10 @@ impl Engine {
             Case::FirstJudge => self.settings.rules.safe_by == SafeBy::Two && !self.is_second_judge(context),
             Case::FromIdle => matches!(phase.underlying(), Phase::Idle),
             Case::RobotAtHome => self.rests_at_home(),
-            Case::KeptOutLeft => self.unsearched_in_rings(&self.state.map) > 0,
+            Case::KeptOutLeft => {
+                let is_kept_out = |cell: &Cell| self.planner.keep_out.contains(*cell);
+                self.unsearched_in_rings(&self.state.map) > 0 || self.state.again.iter().any(is_kept_out)
+            }
             Case::BombLeft => self.state.luggage.bombs_left().next().is_some(),
             Case::GoesOn => self.goes_on(),
             Case::GoesOnFromHere => self.goes_on() && self.case(Case::ThisPiece, phase, context),

@@ -201,7 +201,7 @@ impl Engine {
         }
         let asks = self.mission.has_news && self.state.search.strategy().heeds_news();
         let goal = self.state.goal.filter(|goal| !asks && self.is_wanted(*goal));
-        let Some(goal) = goal.or_else(|| self.next_goal()) else {
+        let Some(goal) = goal.or_else(|| self.next_goal_again()).or_else(|| self.next_goal()) else {
             self.feed(Input::AllExplored, &InputContext::default());
             return Turn::Again;
         };
@@ -221,10 +221,20 @@ impl Engine {
         match goal {
             Goal::Visit(cell) => {
                 let is_open = matches!(self.state.map.at(cell), Mark::Unknown | Mark::Seen | Mark::NotInspected);
-                is_open && !self.planner.keep_out.contains(cell)
+                (is_open || self.state.again.contains(&cell)) && !self.planner.keep_out.contains(cell)
             }
             Goal::Home => self.state.pose.cell != Cell::HOME,
         }
+    }
+
+    /// Returns the nearest cell that is to be searched again; `None` if no such cell can be reached.
+    fn next_goal_again(&mut self) -> Option<Goal> {
+        let again = &self.state.again;
+        let is_wanted = |cell: Cell| again.contains(&cell);
+        let (cell, route) = self.planner.way_to_nearest(self.state.pose, is_wanted).filter(|_| !again.is_empty())?;
+        self.set_goal(Some(Goal::Visit(cell)), self.state.search.clone());
+        self.mission.route = route.into();
+        self.state.goal
     }
 
     /// Asks the strategy until it returns a goal that is not reached already. Returns `None` when the hall is
@@ -252,7 +262,7 @@ impl Engine {
         }
     }
 
-    fn set_goal(&mut self, goal: Option<Goal>, search: Search) {
+    pub(super) fn set_goal(&mut self, goal: Option<Goal>, search: Search) {
         if self.state.goal != goal {
             self.mission.route.clear();
             self.world.touch(Resource::Mission);

@@ -5,7 +5,7 @@
 //!   the state after each input ─► StateView and last written entry ─► ahead: (Seq, StateView), … ─► kept up to Seq ─► shown
 //! ```
 
-use std::collections::VecDeque;
+use std::collections::{BTreeSet, VecDeque};
 use std::sync::Arc;
 
 use super::Engine;
@@ -49,6 +49,7 @@ pub(super) struct StateView {
     pub(super) alarms: Arc<[Arc<Alarm>]>,
     pub(super) retrieval: Option<Arc<RetrievalView>>,
     pub(super) closed: Option<Arc<Closed>>,
+    pub(super) again: Arc<BTreeSet<Cell>>,
     pub(super) is_viewing: bool,
     pub(super) refusals: Refusals,
     emptied: u64,
@@ -220,6 +221,7 @@ impl Engine {
             alarms: state.alarms.iter().map(Arc::clone).collect(),
             retrieval: self.retrieval_as_it_is(),
             closed: self.state.closed.clone(),
+            again: Arc::clone(&self.state.again),
             is_viewing: self.state.phase.inspection().is_some_and(Inspection::is_viewing),
             refusals: self.refusals(),
             emptied: self.on_record.emptied,

@@ -22,6 +22,7 @@ use crate::phase::{FaultCause, PhaseName};
 use crate::robot::Parts;
 use crate::state::{Inspection, Phase, Stage};
 use crate::units::{AlarmId, Cell, Celsius, OrderId, Pose, Seq, WallTime};
+use crate::world::hall_map::Bounds;
 use crate::world::luggage::{Luggage, PhotoState};
 
 fn now(seconds: u64) -> Now {
@@ -116,6 +117,7 @@ fn command(input: Input) -> Option<Command> {
         Input::Danger => Command::Verdict { luggage, verdict: Verdict::Danger, note: None, hot: Default::default() },
         Input::Unsure => Command::Unsure { luggage, note: None, hot: Default::default() },
         Input::Close => Command::Close(Closing { name: Note::new("Anna Rossi")?, note: None, seen: "".into() }),
+        Input::SearchAgain => Command::SearchAgain(Bounds { least: Cell::HOME, most: Cell::new(1, 0) }),
         Input::TemperatureOk => Command::Temperature(TemperatureReport::Ok),
         Input::TemperatureTooHigh => Command::Temperature(TemperatureReport::TooHigh),
         Input::Reading => Command::Temperature(TemperatureReport::Reading(Celsius::new(20.0)?)),

@@ -124,6 +124,7 @@ impl Engine {
             strategy: shown.strategy,
             epoch: self.state.epoch,
             progress: self.progress(),
+            again: Arc::clone(&shown.again),
             open: self.open_points(self.shown_map(), &shown.luggage),
             closed: shown.closed.clone(),
             keep_out: self.keep_out(),
@@ -180,6 +181,7 @@ impl Engine {
             bombs: luggage.bombs_left().count(),
             places: map.unsearched() - kept_out,
             kept_out,
+            again: self.state.again.len(),
             unvisited: reach.map_or(0, |reach| (reach.reachable as usize).saturating_sub(map.visited())),
             unreachable: reach.map_or(0, |reach| (reach.free - reach.reachable) as usize),
         }
@@ -236,6 +238,7 @@ impl Engine {
             start: why(Input::Start, &plain, &shown.start),
             back_home: why(Input::BackHome, &plain, &shown.back_home),
             go_on: why(Input::GoOn, &plain, &shown.go_on),
+            search_again: why(Input::SearchAgain, &plain, &shown.search_again),
             retrieve: why(Input::Retrieve, &plain, &shown.retrieve),
             reset: why(Input::Reset, &plain, &shown.reset),
             drive: why(Input::Move, &turn, &shown.drive),

@@ -9,6 +9,7 @@ use crate::event::{Obstacle, Photo};
 use crate::hold::HoldReason;
 use crate::phase::FaultCause;
 use crate::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
+use crate::world::hall_map::Bounds;
 
 named! {
     ALL by in_words;
@@ -28,6 +29,7 @@ named! {
         Retrieve = "RETRIEVE",
         Reset = "RESET",
         Close = "close",
+        SearchAgain = "search again",
         Move = "move",
         Goto = "goto",
         RetakePhoto = "retake photo",
@@ -63,7 +65,7 @@ named! {
 
 impl Input {
     /// The inputs that are commands, in the order of mission §4.
-    pub(crate) const COMMANDS: [Input; 19] = *Input::ALL.first_chunk().expect("they are listed first");
+    pub(crate) const COMMANDS: [Input; 20] = *Input::ALL.first_chunk().expect("they are listed first");
 
     /// The inputs that are events, in the order in which they occur in a mission.
     pub(crate) const EVENTS: [Input; 25] = *Input::ALL.last_chunk().expect("they are listed last");
@@ -87,6 +89,7 @@ pub(crate) struct InputContext {
     pub(crate) closing: Option<Closing>,
     pub(crate) step: Option<Move>,
     pub(crate) cell: Option<Cell>,
+    pub(crate) area: Option<Bounds>,
     pub(crate) obstacle: Option<Obstacle>,
     pub(crate) photo: Option<Photo>,
     pub(crate) alarm: Option<AlarmId>,
@@ -112,6 +115,7 @@ impl InputContext {
             Command::Retrieve(luggage) => (Input::Retrieve, InputContext { luggage: *luggage, ..context }),
             Command::Reset => (Input::Reset, context),
             Command::Close(closing) => (Input::Close, InputContext { closing: Some(closing.clone()), ..context }),
+            Command::SearchAgain(area) => (Input::SearchAgain, InputContext { area: Some(*area), ..context }),
             Command::Move(step) => (Input::Move, InputContext { step: Some(*step), ..context }),
             Command::Goto(cell) => (Input::Goto, InputContext { cell: Some(*cell), ..context }),
             Command::Verdict { luggage, verdict, note, hot } => {

@@ -58,6 +58,7 @@ named! {
         FetcherUnreached = "a retrieval robot cannot be reached",
         FetcherAbroad = "a robot of an unfinished retrieval is not back at its place",
         OpenUnseen = "no mission is under way, or the command does not name its open points",
+        AreaUnfit = "the area has no searched cell, or too many",
         FaultStands = "the cause of the fault is still present",
         UnknownSensor = "no such sensor is configured",
     }
@@ -111,6 +112,7 @@ pub(crate) enum Act {
     ChooseStrategy,
     Archive,
     Close,
+    SearchAgain,
     RetryBlocked,
     BeginRetrieval,
     EndRetrieval,
@@ -143,6 +145,7 @@ impl Act {
             Act::ChooseStrategy => "chooses the strategy",
             Act::Archive => "archives the mission",
             Act::Close => "records who closes the mission, and the open points",
+            Act::SearchAgain => "notes the cells to be visited again",
             Act::RetryBlocked => "tries blocked cells again",
             Act::BeginRetrieval => "chooses the bag, sends the robots",
             Act::EndRetrieval => "ends the retrieval",

@@ -109,6 +109,18 @@ impl Planner {
         way(&self.grid, &mut self.ways, self.costs, start, goal, through)
     }
 
+    /// Returns the nearest cell for which `is_goal` holds, and the way there over free cells. Only steps count, so that
+    /// a way across a large hall is found quickly.
+    pub(crate) fn way_to_nearest(&mut self, start: Pose, is_goal: impl Fn(Cell) -> bool) -> Option<(Cell, Vec<Move>)> {
+        let Planner { grid, ways, .. } = self;
+        if !grid.has_room_for(start.cell) {
+            return None;
+        }
+        let is_free = |spot: Spot| matches!(grid.here(spot), Square::Visited | Square::Seen);
+        let (end, way) = ways.steps.way(grid, start, is_free, |spot| is_goal(grid.cell(spot)))?;
+        Some((end.cell, way))
+    }
+
     /// Returns the cheapest way to a pose, over unknown cells too. They are assumed to be free.
     pub(crate) fn way_to_look(&mut self, start: Pose, goal: Pose) -> Option<Vec<Move>> {
         let mut way = self.way_to_cell(start, goal.cell, Through::Unknown)?;

@@ -84,6 +84,7 @@ fn said(fact: &Fact) -> String {
             let note = note.as_ref().map(|note| format!(" (note: {note})")).unwrap_or_default();
             format!("answer kept back until now: luggage #{luggage} {}, by {issuer}{}{note}", verdict.name(), answers(*hot))
         }
+        Fact::SearchAgain(area) => format!("to be searched again: {} to {}", area.least, area.most),
         Fact::Closed(closed) => {
             let Closed { who, name, note, open, .. } = &**closed;
             let note = note.as_ref().map(|note| format!(" (note: {note})")).unwrap_or_default();

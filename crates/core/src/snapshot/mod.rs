@@ -6,6 +6,7 @@ pub mod retrieval;
 pub mod robot;
 pub mod said;
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -110,6 +111,8 @@ pub struct MissionView {
     /// A number that every stop increases.
     pub epoch: Epoch,
     pub progress: Progress,
+    /// The searched cells that the robot has to visit once more.
+    pub again: Arc<BTreeSet<Cell>>,
     pub open: OpenPoints,
     /// Who has closed the mission; `None` while nobody has, and after a robot moves again or another piece is judged.
     pub closed: Option<Arc<Closed>>,
@@ -160,6 +163,7 @@ pub struct Refusals {
     pub start: Option<Refused>,
     pub back_home: Option<Refused>,
     pub go_on: Option<Refused>,
+    pub search_again: Option<Refused>,
     pub retrieve: Option<Refused>,
     pub reset: Option<Refused>,
     /// Moves by hand, in any direction.

@@ -14,7 +14,7 @@ use crate::robot::RobotId;
 use crate::search::{Goal, Search};
 use crate::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Piece, Pose, Seq, WallTime};
 use crate::world::alarm::AlarmCause;
-use crate::world::hall_map::Mark;
+use crate::world::hall_map::{Bounds, Mark};
 use crate::world::luggage::{Judgement, Luggage};
 
 #[derive(Clone, Debug, PartialEq)]
@@ -91,6 +91,8 @@ pub enum Fact {
     Judged(Box<Judgement>),
     /// The person in charge has closed the mission.
     Closed(Box<Closed>),
+    /// The robot has to visit the searched cells of this area once more.
+    SearchAgain(Bounds),
     Temperature(Arc<str>, Celsius),
     /// The last reading of this source no longer counts as known.
     ThermometerSilent(Arc<str>),

@@ -21,7 +21,7 @@ pub use self::team::{TeamStage, TeamState};
 use super::search::Search;
 use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId, MissionId, Pose, Revision, WallTime};
 use super::world::alarm::{Alarm, AlarmCause};
-use super::world::hall_map::{HallMap, Mark};
+use super::world::hall_map::{Bounds, HallMap, Mark};
 use super::world::luggage::{Decision, Doubt, Judgement, Luggage};
 use super::world::records::LuggageRecords;
 use crate::closing::Closed;
@@ -49,6 +49,8 @@ pub struct PersistentState {
     pub search: Search,
     pub goal: Option<Goal>,
     pub blocked: BTreeSet<Cell>,
+    /// The searched cells that the robot has to visit once more. They stay visited, so the way home stays known.
+    pub again: Arc<BTreeSet<Cell>>,
     /// The pose of the searching robot at the end of its last completed order.
     pub pose: Pose,
     /// The poses of the other robots that have moved, at the end of their last completed orders.
@@ -79,6 +81,9 @@ pub struct PersistentState {
 }
 
 impl PersistentState {
+    /// Maximum number of cells in `again`.
+    pub(crate) const MOST_AGAIN: usize = 4096;
+
     #[must_use]
     pub fn first(strategy: Strategy) -> PersistentState {
         PersistentState {
@@ -91,6 +96,7 @@ impl PersistentState {
             search: strategy.begin(),
             goal: None,
             blocked: BTreeSet::new(),
+            again: Arc::default(),
             pose: Pose::START,
             others: BTreeMap::new(),
             outside: BTreeMap::new(),
@@ -138,6 +144,10 @@ impl PersistentState {
             }
             Fact::MissionArchived(..) => self.put_away(),
             Fact::Closed(closed) => self.closed = Some(Arc::new(Closed::clone(closed))),
+            Fact::SearchAgain(area) => {
+                let again = self.searched_in(*area).chain(self.again.iter().copied()).collect();
+                self.again = Arc::new(again);
+            }
             Fact::Phase(phase) => {
                 self.phase = phase.clone();
                 if phase.is_motion() {
@@ -147,7 +157,10 @@ impl PersistentState {
             Fact::Holds(holds) => self.holds = holds.iter().copied().collect(),
             Fact::Epoch(epoch) => self.epoch = *epoch,
             Fact::Goal(goal, search) => (self.goal, self.search) = (*goal, search.clone()),
-            Fact::Pose(pose) => self.pose = *pose,
+            Fact::Pose(pose) => {
+                self.pose = *pose;
+                self.not_again(pose.cell);
+            }
             Fact::RobotPose(robot, pose) => drop(self.others.insert(robot.clone(), *pose)),
             Fact::Outside(robot, 0) => drop(self.outside.remove(robot)),
             Fact::Outside(robot, steps) => drop(self.outside.insert(robot.clone(), *steps)),
@@ -201,7 +214,7 @@ impl PersistentState {
 
     /// Ends the mission. Alarms that are not acknowledged stay.
     pub(crate) fn put_away(&mut self) {
-        (self.under_way, self.closed) = (false, None);
+        (self.under_way, self.closed, self.again) = (false, None, Arc::default());
         self.search_anew();
         self.luggage = LuggageRecords::default();
         self.alarms.retain(|alarm| alarm.acknowledged.is_none());
@@ -216,12 +229,28 @@ impl PersistentState {
         self.pieces.clear();
         self.met_again.clear();
         self.blocked.clear();
+        self.again = Arc::default();
         self.search_anew();
+    }
+
+    /// Returns the searched cells of an area, without the cell where the robot stands.
+    pub(crate) fn searched_in(&self, area: Bounds) -> impl Iterator<Item = Cell> {
+        let is_searched = move |(cell, mark): &(Cell, Mark)| area.contains(*cell) && matches!(mark, Mark::Visited | Mark::Seen);
+        self.map.known().filter(is_searched).map(|(cell, _)| cell).filter(|cell| *cell != self.pose.cell)
+    }
+
+    fn not_again(&mut self, cell: Cell) {
+        if self.again.contains(&cell) {
+            Arc::make_mut(&mut self.again).remove(&cell);
+        }
     }
 
     /// Writes a mark on the map. Cells that were visited and are now blocked are noted, because they may be tried
     /// again after a fault.
     fn mark(&mut self, cell: Cell, mark: Mark, revision: Revision) {
+        if mark.is_obstacle() {
+            self.not_again(cell);
+        }
         if self.map.at(cell) == Mark::Visited && mark.is_obstacle() {
             self.blocked.insert(cell);
         } else if mark == Mark::Visited {

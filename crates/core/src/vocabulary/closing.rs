@@ -36,6 +36,8 @@ pub struct OpenPoints {
     pub places: usize,
     /// Such places inside keep-out rings.
     pub kept_out: usize,
+    /// Cells that were to be searched again and were not reached.
+    pub again: usize,
     /// Cells that can be reached but were not visited, `places` included, if the hall is known beforehand.
     pub unvisited: usize,
     /// Free cells that cannot be reached from the start, if the hall is known beforehand.
@@ -45,12 +47,13 @@ pub struct OpenPoints {
 impl OpenPoints {
     /// Returns the numbers by kind, each with its name and its English words.
     #[must_use]
-    pub const fn parts(self) -> [(&'static str, &'static str, usize); 6] {
+    pub const fn parts(self) -> [(&'static str, &'static str, usize); 7] {
         [
             ("pending", "pieces without a verdict", self.pending),
             ("bombs", "bombs in the hall", self.bombs),
             ("places", "known places not searched", self.places),
             ("keptOut", "places inside keep-out rings", self.kept_out),
+            ("again", "cells not searched again", self.again),
             ("unvisited", "cells never visited", self.unvisited),
             ("unreachable", "cells that cannot be reached", self.unreachable),
         ]
@@ -61,7 +64,7 @@ impl OpenPoints {
         self == OpenPoints::default()
     }
 
-    /// Returns a text that names the mission and all numbers, such as `7:1,0,21,0,111,0`.
+    /// Returns a text that names the mission and all numbers, such as `7:1,0,21,0,0,111,0`.
     #[must_use]
     pub fn code(self, mission: MissionId) -> String {
         format!("{mission}:{}", self.parts().map(|(.., count)| count.to_string()).join(","))

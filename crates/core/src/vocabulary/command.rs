@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use crate::closing::Closing;
-use crate::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
+use crate::units::{AlarmId, Bounds, Cell, Celsius, Epoch, LuggageId};
 use crate::words::is_visible;
 
 /// Source name of temperature readings that the operator enters.
@@ -75,6 +75,8 @@ pub enum Command {
     Reset,
     /// The person in charge states that the search is over.
     Close(Closing),
+    /// Visit all searched cells of this area once more.
+    SearchAgain(Bounds),
     Move(Move),
     Goto(Cell),
     Verdict {
@@ -106,13 +108,14 @@ pub enum Carries<'a> {
     Verdict(LuggageRef, Verdict, Option<&'a Note>, Hot),
     Unsure(LuggageRef, Option<&'a Note>, Hot),
     Closing(&'a Closing),
+    Area(Bounds),
     Strategy(Strategy),
     Temperature(&'a TemperatureReport),
 }
 
 impl Command {
     /// The codes of all commands. The journal stores these codes, so a code never changes.
-    pub const CODES: [&str; 15] = [
+    pub const CODES: [&str; 16] = [
         "start",
         "stop",
         "backHome",
@@ -120,6 +123,7 @@ impl Command {
         "retrieve",
         "reset",
         "close",
+        "searchAgain",
         "move",
         "goto",
         "verdict",
@@ -142,6 +146,7 @@ impl Command {
             Command::Retrieve(_) => "retrieve",
             Command::Reset => "reset",
             Command::Close(_) => "close",
+            Command::SearchAgain(_) => "searchAgain",
             Command::Move(_) => "move",
             Command::Goto(_) => "goto",
             Command::Verdict { .. } => "verdict",
@@ -161,6 +166,7 @@ impl Command {
             }
             Command::Retrieve(Some(id)) => Carries::Luggage(*id),
             Command::Close(closing) => Carries::Closing(closing),
+            Command::SearchAgain(area) => Carries::Area(*area),
             Command::Move(step) => Carries::Move(*step),
             Command::Goto(cell) => Carries::Cell(*cell),
             Command::Verdict { luggage, verdict, note, hot } => Carries::Verdict(*luggage, *verdict, note.as_ref(), *hot),
@@ -179,6 +185,7 @@ impl Command {
             Carries::Luggage(id) => Some(LuggageRef::Id(id)),
             Carries::Nothing
             | Carries::Closing(_)
+            | Carries::Area(_)
             | Carries::Alarm(_)
             | Carries::Move(_)
             | Carries::Cell(_)
@@ -196,6 +203,7 @@ impl Command {
             | Command::GoOn
             | Command::Retrieve(_)
             | Command::Reset
+            | Command::SearchAgain(_)
             | Command::Move(_)
             | Command::Goto(_) => true,
             Command::Stop
@@ -224,6 +232,7 @@ impl std::fmt::Display for Command {
                 write!(f, "close, by {name}")?;
                 note.as_ref().map_or(Ok(()), |note| write!(f, " (note: {note})"))
             }
+            Command::SearchAgain(area) => write!(f, "search again {} to {}", area.least, area.most),
             Command::Move(step) => write!(f, "move {}", step.in_words()),
             Command::Goto(cell) => write!(f, "goto {cell}"),
             Command::Verdict { luggage, verdict, note, hot } => write_answer(f, verdict.name(), *luggage, note.as_ref(), *hot),

@@ -90,7 +90,11 @@ pub enum Refused {
     FetcherAbroad(RobotId),
     /// Whoever closes a mission must have seen what is left open.
     #[error("open points: {open}; to close the mission with them, send openPoints {:?}", .open.code(*.mission))]
-    OpenPoints { mission: MissionId, open: OpenPoints },
+    OpenPoints { mission: MissionId, open: Box<OpenPoints> },
+    #[error("no searched cell lies in this area: name two corners of an area that the robot has searched")]
+    NothingSearched,
+    #[error("the area is too large: at most {0} cells are searched again at a time")]
+    AreaTooLarge(usize),
     #[error("the fault still stands: {0}")]
     FaultStands(FaultCause),
     #[error("the record cannot be written, so nothing was decided: try again when the store is back")]
@@ -126,7 +130,7 @@ pub struct Refusal {
 
 /// Every code with its kind, for refusals that are read back. A test of an interface compares this list with the
 /// variants. The code of `NotOnRecord` is missing, because no command is answered with it.
-pub const CODES: [(&str, RefusalKind); 31] = {
+pub const CODES: [(&str, RefusalKind); 33] = {
     use RefusalKind::{Conflict, Forbidden, Mismatch, Unavailable, Unknown};
     [
         ("held", Conflict),
@@ -154,6 +158,8 @@ pub const CODES: [(&str, RefusalKind); 31] = {
         ("fetcherUnreached", Conflict),
         ("fetcherAbroad", Conflict),
         ("openPoints", Conflict),
+        ("nothingSearched", Conflict),
+        ("areaTooLarge", Conflict),
         ("faultStands", Conflict),
         ("storeDown", Unavailable),
         ("notKept", Unavailable),
@@ -195,6 +201,8 @@ impl Refused {
             | Refused::FetcherUnreached(_)
             | Refused::FetcherAbroad(_)
             | Refused::OpenPoints { .. }
+            | Refused::NothingSearched
+            | Refused::AreaTooLarge(_)
             | Refused::FaultStands(_) => RefusalKind::Conflict,
         }
     }
@@ -228,6 +236,8 @@ impl Refused {
             Refused::FetcherUnreached(_) => "fetcherUnreached",
             Refused::FetcherAbroad(_) => "fetcherAbroad",
             Refused::OpenPoints { .. } => "openPoints",
+            Refused::NothingSearched => "nothingSearched",
+            Refused::AreaTooLarge(_) => "areaTooLarge",
             Refused::FaultStands(_) => "faultStands",
             Refused::StoreDown => "storeDown",
             Refused::NotKept => "notKept",

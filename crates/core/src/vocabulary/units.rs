@@ -214,6 +214,50 @@ numbers! {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct Piece(pub u32);
 
+/// A rectangle of cells, borders included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Bounds {
+    /// The north-west corner.
+    pub least: Cell,
+    /// The south-east corner.
+    pub most: Cell,
+}
+
+impl Bounds {
+    #[must_use]
+    pub const fn of(cell: Cell) -> Bounds {
+        Bounds { least: cell, most: cell }
+    }
+
+    #[must_use]
+    pub fn including(self, cell: Cell) -> Bounds {
+        Bounds {
+            least: Cell::new(self.least.x.min(cell.x), self.least.y.min(cell.y)),
+            most: Cell::new(self.most.x.max(cell.x), self.most.y.max(cell.y)),
+        }
+    }
+
+    #[must_use]
+    pub const fn grown(self, by: i32) -> Bounds {
+        Bounds { least: Cell::new(self.least.x - by, self.least.y - by), most: Cell::new(self.most.x + by, self.most.y + by) }
+    }
+
+    #[must_use]
+    pub const fn contains(self, cell: Cell) -> bool {
+        cell.x >= self.least.x && cell.y >= self.least.y && cell.x <= self.most.x && cell.y <= self.most.y
+    }
+
+    #[must_use]
+    pub const fn width(self) -> i32 {
+        self.most.x - self.least.x + 1
+    }
+
+    #[must_use]
+    pub const fn height(self) -> i32 {
+        self.most.y - self.least.y + 1
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

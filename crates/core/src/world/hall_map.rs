@@ -3,9 +3,10 @@
 
 use std::sync::Arc;
 
-pub use super::area::{Bounds, Mark};
+pub use super::mark::Mark;
 pub use super::tiles::{TILE, Tile, cells_of};
 use super::tiles::{Tiles, place_in_tile, tile_of};
+pub use crate::units::Bounds;
 use crate::units::{Cell, Revision};
 
 /// Maximum absolute value of a stored cell's coordinate. A robot that reports a larger value is wrong.

@@ -1,10 +1,10 @@
 //! The resource model: hall map, luggage, temperature and alarms. The engine decides what changes them, and when.
 
 pub mod alarm;
-mod area;
 pub mod hall_map;
 pub mod keep_out;
 pub mod luggage;
+mod mark;
 pub mod records;
 pub mod resource;
 pub mod temperature;

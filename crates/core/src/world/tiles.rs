@@ -12,8 +12,8 @@
 
 use std::sync::Arc;
 
-use super::area::{Bounds, Mark};
-use crate::units::{Cell, Revision};
+use super::mark::Mark;
+use crate::units::{Bounds, Cell, Revision};
 
 /// Side of a tile, in cells.
 pub const TILE: i32 = 32;

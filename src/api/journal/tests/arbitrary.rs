@@ -36,7 +36,7 @@ use hallsweep_core::state::{
 };
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Piece, Pose, Revision, Seq, WallTime};
 use hallsweep_core::world::alarm::{Alarm, AlarmCause};
-use hallsweep_core::world::hall_map::{HallMap, Mark, REACH};
+use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark, REACH};
 use hallsweep_core::world::luggage::{Decision, Doubt, Judgement, Luggage, PhotoState};
 
 const MARKS: [Mark; 6] = [Mark::Unknown, Mark::Seen, Mark::Visited, Mark::Wall, Mark::Luggage, Mark::NotInspected];
@@ -91,6 +91,7 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
             note
         }),
         closed().prop_map(|closed| Fact::Closed(Box::new(closed))),
+        area().prop_map(Fact::SearchAgain),
         (text(), celsius()).prop_map(|(source, celsius)| Fact::Temperature(source.into(), celsius)),
         text().prop_map(|source| Fact::ThermometerSilent(source.into())),
         (any::<u64>(), option::of(any::<u64>()), alarm_cause())
@@ -101,10 +102,21 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
     ]
 }
 
+fn area() -> impl Strategy<Value = Bounds> {
+    (cell(), cell()).prop_map(|(one, other)| Bounds::of(one).including(other))
+}
+
 fn open_points() -> impl Strategy<Value = OpenPoints> {
     let some = || 0..100_000_usize;
-    (some(), some(), some(), some(), some(), some()).prop_map(|(pending, bombs, places, kept_out, unvisited, unreachable)| {
-        OpenPoints { pending, bombs, places, kept_out, unvisited, unreachable }
+    let left = (some(), some(), some(), some(), some(), some(), some());
+    left.prop_map(|(pending, bombs, places, kept_out, again, unvisited, unreachable)| OpenPoints {
+        pending,
+        bombs,
+        places,
+        kept_out,
+        again,
+        unvisited,
+        unreachable,
     })
 }
 
@@ -282,8 +294,8 @@ fn state() -> impl Strategy<Value = PersistentState> {
     let met_again = btree_map(cell(), any::<u32>().prop_map(Piece), 0..3);
     let pieces = (btree_set(any::<u32>().prop_map(Piece), 0..4), met_again);
     let world = (hall_map(), pieces, vec(luggage(), 0..4), vec(alarm(), 0..4));
-    let rest = (option::of(celsius()), option::of(conditions()), option::of(closed()));
-    (numbers, mission, world, rest).prop_map(|(numbers, mission, world, (reading, conditions, closed))| {
+    let rest = (option::of(celsius()), option::of(conditions()), option::of(closed()), btree_set(cell(), 0..4));
+    (numbers, mission, world, rest).prop_map(|(numbers, mission, world, (reading, conditions, closed, again))| {
         let (id, under_way, epoch, last_luggage, last_alarm, led_blinking) = numbers;
         let (phase, holds, search, goal, blocked, (pose, others, (outside, retrieval))) = mission;
         let (map, (pieces, met_again), luggage, alarms) = world;
@@ -297,6 +309,7 @@ fn state() -> impl Strategy<Value = PersistentState> {
             search,
             goal,
             blocked,
+            again: Arc::new(again),
             pose,
             others,
             outside,

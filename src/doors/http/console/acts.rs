@@ -19,6 +19,10 @@ pub(in crate::doors::http) struct Fields {
     word: Option<String>,
     x: Option<String>,
     y: Option<String>,
+    #[serde(rename = "toX")]
+    to_x: Option<String>,
+    #[serde(rename = "toY")]
+    to_y: Option<String>,
     name: Option<String>,
     status: Option<String>,
     celsius: Option<String>,
@@ -71,8 +75,10 @@ impl Fields {
                 command::close(&one_line(name), note.as_deref(), needed("open", self.open.as_deref())?)?
             }
             "move" => command::move_word(needed("move", self.word.as_deref())?)?,
-            "goto" => {
-                command::goto(number("x", needed("x", self.x.as_deref())?)?, number("y", needed("y", self.y.as_deref())?)?)?
+            "goto" => command::goto(whole("x", &self.x)?, whole("y", &self.y)?)?,
+            "searchAgain" => {
+                let corner = (whole("x", &self.x)?, whole("y", &self.y)?);
+                command::search_again(corner, (whole("toX", &self.to_x)?, whole("toY", &self.to_y)?))?
             }
             "safe" => self.answer(Some(Verdict::Safe))?,
             "danger" => self.answer(Some(Verdict::Danger))?,
@@ -152,6 +158,10 @@ fn hot([hidden, obvious, typical]: [&Option<String>; 3]) -> Result<Hot, Problem>
     Ok(Hot { hidden: answer("hidden", hidden)?, obvious: answer("obvious", obvious)?, typical: answer("typical", typical)? })
 }
 
+fn whole(name: &'static str, typed: &Option<String>) -> Result<i64, Problem> {
+    number(name, needed(name, typed.as_deref())?)
+}
+
 fn number<T: std::str::FromStr>(name: &str, text: &str) -> Result<T, Problem> {
     text.trim().parse().map_err(|_| Problem::unusable(format!("{name} is {:?}: enter a number", in_short(text))))
 }
@@ -162,6 +172,7 @@ mod tests {
     use axum::http::Method;
     use hallsweep_core::command::HotAnswer;
     use hallsweep_core::units::Cell;
+    use hallsweep_core::world::hall_map::Bounds;
 
     #[test]
     fn every_form_is_understood_when_it_is_filled_in() {
@@ -171,6 +182,8 @@ mod tests {
             word: Some("w".to_owned()),
             x: Some("1".to_owned()),
             y: Some("-2".to_owned()),
+            to_x: Some("0".to_owned()),
+            to_y: Some("4".to_owned()),
             name: Some("snail".to_owned()),
             status: None,
             open: Some("1:0,0,3,0,0,0".to_owned()),
@@ -188,6 +201,8 @@ mod tests {
             assert_eq!(fields.command(act).map(|(_, epoch)| epoch).ok(), Some(Some(Epoch(4))), "{act}");
         }
         assert_eq!(fields.command("goto").unwrap().0, Command::Goto(Cell::new(1, -2)));
+        let area = Bounds { least: Cell::new(0, -2), most: Cell::new(1, 4) };
+        assert_eq!(fields.command("searchAgain").unwrap().0, Command::SearchAgain(area), "corners in any order");
         let (luggage, note) = (LuggageRef::Id(LuggageId(3)), Note::new("a lunch box"));
         let hot = Hot { hidden: Some(HotAnswer::No), obvious: Some(HotAnswer::CannotSay), typical: None };
         assert_eq!(fields.command("safe").unwrap().0, Command::Verdict { luggage, verdict: Verdict::Safe, note, hot });

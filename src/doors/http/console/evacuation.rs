@@ -1,24 +1,26 @@
 //! Distances in the hall: how far a piece is from home in metres, and the evacuation circle round a bomb. The
 //! settings give the radius of the circle. The circle is drawn only if the size of a cell is known. People decide who
-//! must leave. The keep-out rings, which the robots respect, are drawn here too.
+//! must leave. The keep-out rings, which the robots respect, and the cells to be searched again are drawn here too.
 
-use std::fmt::Write;
+use std::collections::BTreeSet;
 
 use super::carriers::is_at;
-use super::drawing::{CELL, middle};
+use super::drawing::{CELL, middle, write};
 use super::view::View;
 use crate::phrases::Language;
-use hallsweep_core::units::Cell;
+use hallsweep_core::units::{Cell, Heading};
 
-/// Draws the circles and the rings round all bombs in the hall. The circle of a bomb that is being fetched moves with the bomb.
+/// Draws the cells to be searched again, and the circles and the rings round all bombs in the hall. The circle of a bomb that is being fetched moves with the bomb.
 pub(super) fn circles(v: &View<'_>) -> String {
     let mut group = String::from("<g id=\"hall-evacuation\">");
+    if !v.snapshot.mission.again.is_empty() {
+        write(&mut group, format_args!("<path class=\"again\" d=\"{}\"/>", outline(&v.snapshot.mission.again)));
+    }
     if let Some(cell_m) = v.hall.cell_m {
         let radius = f64::from(CELL) * v.hall.evacuation_m / cell_m;
         for bomb in v.snapshot.luggage.bombs_left() {
             let (x, y) = is_at(v.snapshot, bomb);
-            let circle = format_args!("<circle class=\"evacuation\" cx=\"{x}\" cy=\"{y}\" r=\"{radius:.1}\"/>");
-            group.write_fmt(circle).expect("writing to a string does not fail");
+            write(&mut group, format_args!("<circle class=\"evacuation\" cx=\"{x}\" cy=\"{y}\" r=\"{radius:.1}\"/>"));
         }
     }
     let radius = f64::from(CELL) * v.snapshot.mission.keep_out.radius();
@@ -27,11 +29,22 @@ pub(super) fn circles(v: &View<'_>) -> String {
         for (x, y) in ring.bomb.iter().copied().map(middle) {
             let circle =
                 format_args!("<circle class=\"keep-out\" cx=\"{x}\" cy=\"{y}\" r=\"{radius:.1}\"><title>{said}</title></circle>");
-            group.write_fmt(circle).expect("writing to a string does not fail");
+            write(&mut group, circle);
         }
     }
     group.push_str("</g>");
     group
+}
+
+/// Returns the outline of these cells. Cells side by side in a row share a rectangle.
+fn outline(cells: &BTreeSet<Cell>) -> String {
+    let firsts = cells.iter().filter(|cell| !cells.contains(&cell.ahead(Heading::West)));
+    let rectangle = |first: &Cell| {
+        let last = (first.x..).take_while(|x| cells.contains(&Cell::new(*x, first.y))).last().unwrap_or(first.x);
+        let width = (last - first.x + 1) * CELL;
+        format!("M{} {}h{width}v{CELL}h-{width}z", first.x * CELL, first.y * CELL)
+    };
+    firsts.map(rectangle).collect()
 }
 
 /// Whether the circle round this cell contains the whole known part of the hall.
@@ -80,6 +93,8 @@ fn distance(one: Cell, other: Cell) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use std::sync::Arc;
+
     use super::super::view::HallInfo;
     use super::*;
     use crate::api::tests::fixture::{TEN, idle, piece, searching};
@@ -114,6 +129,15 @@ mod tests {
             "one in the container is none in the hall"
         );
         assert_eq!(circles(&view(&idle(), Some(0.5))), "<g id=\"hall-evacuation\"></g>");
+    }
+
+    #[test]
+    fn cells_to_be_searched_again_are_drawn_row_by_row() {
+        let mut snapshot = idle();
+        snapshot.mission.again = Arc::new([(0, 1), (1, 1), (3, 1), (0, 2)].map(|(x, y)| Cell::new(x, y)).into());
+        let drawn = circles(&view(&snapshot, None));
+        let outline = "<path class=\"again\" d=\"M0 10h20v10h-20zM0 20h10v10h-10zM30 10h10v10h-10z\"/>";
+        assert_eq!(drawn, format!("<g id=\"hall-evacuation\">{outline}</g>"));
     }
 
     #[test]

@@ -186,6 +186,7 @@ mod tests {
     use hallsweep_core::phase::PhaseName;
     use hallsweep_core::refused::Refused;
     use hallsweep_core::units::{Cell, Epoch, LuggageId};
+    use hallsweep_core::world::hall_map::Bounds;
 
     const FORM: (&str, &str) = ("content-type", "application/x-www-form-urlencoded");
 
@@ -338,6 +339,7 @@ mod tests {
             ("/console/start", "epoch=7", Command::Start),
             ("/console/move", "epoch=7&move=w", Command::Move(Move::Forward)),
             ("/console/goto", "epoch=7&x=1&y=2", Command::Goto(Cell::new(1, 2))),
+            ("/console/searchAgain", "epoch=7&x=1&y=2&toX=1&toY=2", Command::SearchAgain(Bounds::of(Cell::new(1, 2)))),
         ];
         for (path, body, command) in cases {
             let response = app.form(path, body).await;

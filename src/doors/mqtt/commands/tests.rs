@@ -11,6 +11,7 @@ use hallsweep_core::closing::Closing;
 use hallsweep_core::command::{LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
 use hallsweep_core::refused::Refused;
 use hallsweep_core::units::{AlarmId, Cell, LuggageId};
+use hallsweep_core::world::hall_map::Bounds;
 use hallsweep_core::world::luggage::Luggage;
 
 const OLD: &str = "unibo/qak/events";
@@ -43,6 +44,7 @@ fn all_commands() -> Vec<(&'static str, &'static str, Command)> {
         ("reset", "", Command::Reset),
         ("close", r#"{"name":"Anna Rossi","openPoints":"7:1,0,0,0,0,0"}"#, closing("7:1,0,0,0,0,0")),
         ("close", r#"{"name":" Anna Rossi ","note":null}"#, closing("")),
+        ("searchAgain", r#"{"x":0,"y":0,"toX":0,"toY":0}"#, Command::SearchAgain(Bounds::of(Cell::HOME))),
         ("move", r#"{"move":"w"}"#, Command::Move(Move::Forward)),
         ("move", r#"{"move":"h"}"#, Command::Stop),
         ("goto", r#"{"x":4,"y":-2}"#, Command::Goto(Cell::new(4, -2))),

@@ -9,7 +9,7 @@ use crate::world::hall_map::Mark;
 
 /// The commands that have a column in the tables below. The other commands are accepted in every phase and do not
 /// change the phase: OK, a reading, a sensor's reading and the acknowledgement of an alarm.
-const COLUMNS: [Input; 15] = [
+const COLUMNS: [Input; 16] = [
     Input::Start,
     Input::Stop,
     Input::BackHome,
@@ -21,6 +21,7 @@ const COLUMNS: [Input; 15] = [
     Input::Retrieve,
     Input::Reset,
     Input::Close,
+    Input::SearchAgain,
     Input::Move,
     Input::Goto,
     Input::RetakePhoto,
@@ -31,34 +32,34 @@ const COLUMNS: [Input; 15] = [
 /// name is the new phase after all records are stored, and `!` is a refusal. In `a/b`, `a` is the outcome without a
 /// hold, and `b` the outcome after STOP.
 const PENDING: &str = "
-    id ex  .  !np !np .  .  !ni .  !np !vp     !np dr     dr     !np .
-    ex !vp .  rh  !vp .  ra !ni .  !np !mv/!vp !np !ns/dr !ns/dr !np !np
-    in !vp .  rh  !vp ex ra .   .  !np !vp     !np !np    !np    .   !np
-    dr !dr ex !dr !dr .  .  !ni ex !np !mv     !np !dr    !dr    !np !np
-    rh .   .  .   !np .  ra !ni .  !np !mv/!vp !np !ns/dr !ns/dr !np !np
-    ah !vp .  .   !vp .  bl !ni .  !np !vp     .   dr     dr     !np !np
-    ra .   .  !np !np .  .  !ni .  !np !mv/!vp !np !ns/dr !ns/dr !np !np
-    bl !np .  !np !vp .  .  !ni .  !nr !vp     .   !np    !np    !np !np
-    re .   .  !np !np .  .  !ni .  !np !mv/!vp !np !np    !np    !np !np
-    bs !vp .  !np !vp .  bl !ni .  !np !vp     .   !np    !np    !np .
-    ed !vp .  !np !np .  bl !ni .  !np !vp     .   !np    !np    !np .
-    fa !vp .  !np !np .  .  !ni .  !np !vp     .   !np    !np    !np !np
+    id ex  .  !np !np .  .  !ni .  !np !vp     !np !np dr     dr     !np .
+    ex !vp .  rh  !vp .  ra !ni .  !np !mv/!vp !np !vp !ns/dr !ns/dr !np !np
+    in !vp .  rh  !vp ex ra .   .  !np !vp     !np !vp !np    !np    .   !np
+    dr !dr ex !dr !dr .  .  !ni ex !np !mv     !np !dr !dr    !dr    !np !np
+    rh .   .  .   !np .  ra !ni .  !np !mv/!vp !np !np !ns/dr !ns/dr !np !np
+    ah !vp .  .   !vp .  bl !ni .  !np !vp     .   !vp dr     dr     !np !np
+    ra .   .  !np !np .  .  !ni .  !np !mv/!vp !np !np !ns/dr !ns/dr !np !np
+    bl !np .  !np !vp .  .  !ni .  !nr !vp     .   !vp !np    !np    !np !np
+    re .   .  !np !np .  .  !ni .  !np !mv/!vp !np !np !np    !np    !np !np
+    bs !vp .  !np !vp .  bl !ni .  !np !vp     .   !vp !np    !np    !np .
+    ed !vp .  !np !np .  bl !ni .  !np !vp     .   !vp !np    !np    !np .
+    fa !vp .  !np !np .  .  !ni .  !np !vp     .   !np !np    !np    !np !np
 ";
 
 /// Like `PENDING`, but the verdict on this piece is safe.
 const DECIDED: &str = "
-    id ex  .  !np !np . !de !de .  !np .      !np dr     dr     !np .
-    ex .   .  rh  .   . !de !de .  !np !mv/id !np !ns/dr !ns/dr !np !np
-    in .   .  rh  .   . !de !de .  !np id     !np !np    !np    !ni !np
-    dr !dr ex !dr !dr . !de !de ex !np !mv    !np !dr    !dr    !np !np
-    rh .   .  .   !np . !de !de .  !np !mv/id !np !ns/dr !ns/dr !np !np
-    ah ex  .  .   ex  . !de !de .  !np id     .   dr     dr     !np !np
-    ra .   .  !np !np . !de !de .  !np !mv/id !np !ns/dr !ns/dr !np !np
-    bl !np .  !np ex  . !de !de .  !nr id     .   !np    !np    !np !np
-    re .   .  !np !np . !de !de .  !np !mv/id !np !np    !np    !np !np
-    bs ex  .  !np ex  . !de !de .  !np id     .   !np    !np    !np .
-    ed ex  .  !np !np . !de !de .  !np id     .   !np    !np    !np .
-    fa ex  .  !np !np . !de !de .  !np id     .   !np    !np    !np !np
+    id ex  .  !np !np . !de !de .  !np .      !np !np dr     dr     !np .
+    ex .   .  rh  .   . !de !de .  !np !mv/id !np .   !ns/dr !ns/dr !np !np
+    in .   .  rh  .   . !de !de .  !np id     !np .   !np    !np    !ni !np
+    dr !dr ex !dr !dr . !de !de ex !np !mv    !np !dr !dr    !dr    !np !np
+    rh .   .  .   !np . !de !de .  !np !mv/id !np !np !ns/dr !ns/dr !np !np
+    ah ex  .  .   ex  . !de !de .  !np id     .   ex  dr     dr     !np !np
+    ra .   .  !np !np . !de !de .  !np !mv/id !np !np !ns/dr !ns/dr !np !np
+    bl !np .  !np ex  . !de !de .  !nr id     .   ex  !np    !np    !np !np
+    re .   .  !np !np . !de !de .  !np !mv/id !np !np !np    !np    !np !np
+    bs ex  .  !np ex  . !de !de .  !np id     .   ex  !np    !np    !np .
+    ed ex  .  !np !np . !de !de .  !np id     .   ex  !np    !np    !np .
+    fa ex  .  !np !np . !de !de .  !np id     .   !np !np    !np    !np !np
 ";
 
 /// The events that lead from one phase to another. In all other phases, these events change nothing.
@@ -154,7 +155,8 @@ fn meant(cell: &'static str, phase: PhaseName) -> Result<PhaseName, &'static str
 /// refused too.
 fn expected(table: &'static str, phase: PhaseName, input: Input, holds: &[Hold]) -> Result<PhaseName, &'static str> {
     let stopped = meant(cell(table, phase, input, true), phase);
-    let moves = [Input::Start, Input::BackHome, Input::GoOn, Input::Retrieve, Input::Move, Input::Goto].contains(&input);
+    let moves = [Input::Start, Input::BackHome, Input::GoOn, Input::SearchAgain, Input::Retrieve, Input::Move, Input::Goto];
+    let moves = moves.contains(&input);
     let recorded = [Input::Safe, Input::Danger, Input::TemperatureOk, Input::TemperatureTooHigh, Input::Reading, Input::Reset];
     let recorded =
         recorded.contains(&input) || [Input::Acknowledge, Input::Strategy, Input::Unsure, Input::Close].contains(&input);
@@ -180,6 +182,7 @@ fn moment(name: PhaseName, table: &'static str, holds: &[Hold]) -> Engine {
     }
     engine.state.under_way = true;
     engine.mark(Cell::new(1, 1), Mark::NotInspected);
+    engine.mark(Cell::new(1, 0), Mark::Visited);
     engine.watchdog.begin("roof".into(), Duration::from_secs(3600));
     engine.watchdog.hear("roof", Duration::ZERO);
     engine.record(Fact::AlarmRaised(AlarmId(1), None, crate::world::alarm::AlarmCause::Other("something".to_owned())));
@@ -269,6 +272,7 @@ fn check_effects(before: &Engine, after: &Engine, input: Input, table: &str, pai
     let waits = [Hold::Operator, Hold::Restart, Hold::AwaitingStart];
     let verdict = after.state.luggage.get(LuggageId(1)).and_then(|luggage| luggage.verdict.as_ref()).map(|kept| kept.verdict);
     match input {
+        Input::SearchAgain => assert!(after.state.again.contains(&Cell::new(1, 0)), "{pair}"),
         Input::Start | Input::BackHome | Input::GoOn | Input::Retrieve | Input::Move | Input::Goto | Input::Reset => {
             assert!(!waits.into_iter().any(|hold| is.contains(hold)), "{pair}: it clears what waits for it");
         }

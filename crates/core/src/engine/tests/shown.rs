@@ -57,7 +57,8 @@ fn nothing_that_is_shown_contradicts_a_button() {
 
 fn check_buttons(engine: &mut Engine, seed: u64) {
     let state = engine.snapshot();
-    let Refusals { start, back_home, go_on, retrieve, reset, drive, strategy, retake } = &state.mission.refusals;
+    // Whether an area can be searched again depends on the area, too.
+    let Refusals { start, back_home, go_on, search_again: _, retrieve, reset, drive, strategy, retake } = &state.mission.refusals;
     let buttons = [
         (start, Command::Start),
         (back_home, Command::BackHome),

@@ -4,7 +4,7 @@
 use super::everywhere::{PhaseEvent, PhaseInput};
 use super::shared::{
     ANOTHER_DANGER, CHOOSE, CLOSE, DANGER_AT_HOME, DRIVE_IF_STOPPED, EXPLORE_AGAIN, INTO_FAULT, NOT_HERE, NOTHING, RESUME,
-    RETAKE_ELSEWHERE, SEARCH_ON, going_home, waiting,
+    RETAKE_ELSEWHERE, SEARCH_AGAIN, SEARCH_ON, going_home, waiting,
 };
 use crate::mission::rule::Act::{BeginRetrieval, EndRetrieval, Release, RetryBlocked};
 use crate::mission::rule::Rule::{AsInterrupted, Go, RefuseIf, When};
@@ -15,7 +15,12 @@ use crate::phase::PhaseName;
 pub(super) const fn returning_with_alarm(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start => RESUME,
-        PhaseInput::BackHome | PhaseInput::GoOn | PhaseInput::Retrieve | PhaseInput::Strategy | PhaseInput::Close => NOT_HERE,
+        PhaseInput::BackHome
+        | PhaseInput::GoOn
+        | PhaseInput::SearchAgain
+        | PhaseInput::Retrieve
+        | PhaseInput::Strategy
+        | PhaseInput::Close => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Move | PhaseInput::Goto => DRIVE_IF_STOPPED,
         PhaseInput::Event(event) => going_home(event, &[Go(Phase(PhaseName::BombLocated), &[])], ANOTHER_DANGER),
@@ -26,6 +31,7 @@ pub(super) const fn bomb_located(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start | PhaseInput::BackHome | PhaseInput::Move | PhaseInput::Goto | PhaseInput::Strategy => NOT_HERE,
         PhaseInput::GoOn => SEARCH_ON,
+        PhaseInput::SearchAgain => SEARCH_AGAIN,
         PhaseInput::Close => CLOSE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Retrieve => &[
@@ -44,6 +50,7 @@ pub(super) const fn retrieving(input: PhaseInput) -> &'static [Rule] {
         PhaseInput::Start => RESUME,
         PhaseInput::BackHome
         | PhaseInput::GoOn
+        | PhaseInput::SearchAgain
         | PhaseInput::Retrieve
         | PhaseInput::Move
         | PhaseInput::Goto
@@ -64,6 +71,7 @@ pub(super) const fn bag_secured(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start => EXPLORE_AGAIN,
         PhaseInput::GoOn => SEARCH_ON,
+        PhaseInput::SearchAgain => SEARCH_AGAIN,
         PhaseInput::BackHome | PhaseInput::Retrieve | PhaseInput::Move | PhaseInput::Goto => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Strategy => CHOOSE,
@@ -82,6 +90,7 @@ pub(super) const fn fault(input: PhaseInput) -> &'static [Rule] {
         ],
         PhaseInput::BackHome
         | PhaseInput::GoOn
+        | PhaseInput::SearchAgain
         | PhaseInput::Retrieve
         | PhaseInput::Move
         | PhaseInput::Goto

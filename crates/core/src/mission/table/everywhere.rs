@@ -35,6 +35,7 @@ pub(in crate::mission) enum PhaseInput {
     RetakePhoto,
     Strategy,
     Close,
+    SearchAgain,
     Event(PhaseEvent),
 }
 
@@ -148,6 +149,7 @@ pub(in crate::mission) const fn row(input: Input) -> InputRow {
         Input::RetakePhoto => ByPhase(PhaseInput::RetakePhoto),
         Input::Strategy => ByPhase(PhaseInput::Strategy),
         Input::Close => ByPhase(PhaseInput::Close),
+        Input::SearchAgain => ByPhase(PhaseInput::SearchAgain),
         Input::Done => event(PhaseEvent::Done),
         Input::Blocked => event(PhaseEvent::Blocked),
         Input::AtPiece => event(PhaseEvent::AtPiece),

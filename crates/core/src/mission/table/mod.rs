@@ -42,6 +42,7 @@ mod tests {
     use crate::command::{Command, Door, Issuer, Move};
     use crate::mission::{Act, InputContext};
     use crate::units::Cell;
+    use crate::world::hall_map::Bounds;
 
     #[test]
     fn every_cell_ends_with_a_rule_that_always_applies() {
@@ -77,6 +78,7 @@ mod tests {
             Command::Start,
             Command::BackHome,
             Command::GoOn,
+            Command::SearchAgain(Bounds::of(Cell::HOME)),
             Command::Retrieve(None),
             Command::Reset,
             Command::Move(Move::Forward),

@@ -4,10 +4,12 @@
 use super::everywhere::{PhaseEvent, PhaseInput};
 use super::shared::{
     ANOTHER_DANGER, CHOOSE, CLOSE, DANGER_AT_HOME, DANGER_ON_THE_WAY, DRIVE, DRIVE_IF_STOPPED, EXPLORE_AGAIN, EXPLORE_ON,
-    GO_HOME, INTO_FAULT, NOT_HERE, NOTHING, RECORDED, RESUME, RETAKE_ELSEWHERE, going_home, waiting,
+    GO_HOME, INTO_FAULT, NOT_HERE, NOTHING, RECORDED, RESUME, RETAKE_ELSEWHERE, SEARCH_AGAIN, going_home, waiting,
 };
 use crate::hold::Hold;
-use crate::mission::rule::Act::{AlarmDanger, Begin, FacePiece, LedOff, Raise, RecordPiece, RecordRetake, Release, Retake};
+use crate::mission::rule::Act::{
+    AlarmDanger, Begin, FacePiece, LedOff, Raise, RecordPiece, RecordRetake, Release, Retake, SearchAgain,
+};
 use crate::mission::rule::Rule::{AsInterrupted, Go, Never, RefuseIf, When};
 use crate::mission::rule::To::{Interrupted, Phase, Stay};
 use crate::mission::rule::{Case, Guard, Rule};
@@ -16,7 +18,7 @@ use crate::phase::PhaseName;
 pub(super) const fn idle(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start => &[RefuseIf(Guard::Held), Go(Phase(PhaseName::Exploring), &[Release, Begin])],
-        PhaseInput::BackHome | PhaseInput::GoOn | PhaseInput::Retrieve | PhaseInput::Close => NOT_HERE,
+        PhaseInput::BackHome | PhaseInput::GoOn | PhaseInput::Retrieve | PhaseInput::Close | PhaseInput::SearchAgain => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Move | PhaseInput::Goto => DRIVE,
         PhaseInput::Strategy => CHOOSE,
@@ -28,6 +30,7 @@ pub(super) const fn exploring(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start | PhaseInput::GoOn => EXPLORE_ON,
         PhaseInput::BackHome => GO_HOME,
+        PhaseInput::SearchAgain => SEARCH_AGAIN,
         PhaseInput::Retrieve | PhaseInput::Strategy | PhaseInput::Close => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Move | PhaseInput::Goto => DRIVE_IF_STOPPED,
@@ -57,6 +60,12 @@ pub(super) const fn exploring(input: PhaseInput) -> &'static [Rule] {
 pub(super) const fn inspecting(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start | PhaseInput::GoOn => &[RefuseIf(Guard::Held), RefuseIf(Guard::OperatorAsked), Go(Stay, &[Release])],
+        PhaseInput::SearchAgain => &[
+            RefuseIf(Guard::Held),
+            RefuseIf(Guard::OperatorAsked),
+            RefuseIf(Guard::AreaUnfit),
+            Go(Stay, &[Release, SearchAgain]),
+        ],
         PhaseInput::BackHome => GO_HOME,
         PhaseInput::Retrieve | PhaseInput::Move | PhaseInput::Goto | PhaseInput::Strategy | PhaseInput::Close => NOT_HERE,
         PhaseInput::RetakePhoto => {
@@ -90,9 +99,12 @@ pub(super) const fn inspecting(input: PhaseInput) -> &'static [Rule] {
 /// The rules while the robot is driven by hand. Every hold also ends the drive.
 pub(super) const fn driving(input: PhaseInput) -> &'static [Rule] {
     match input {
-        PhaseInput::Start | PhaseInput::BackHome | PhaseInput::GoOn | PhaseInput::Move | PhaseInput::Goto => {
-            &[Never(Guard::Driving)]
-        }
+        PhaseInput::Start
+        | PhaseInput::BackHome
+        | PhaseInput::GoOn
+        | PhaseInput::SearchAgain
+        | PhaseInput::Move
+        | PhaseInput::Goto => &[Never(Guard::Driving)],
         PhaseInput::Retrieve | PhaseInput::Strategy | PhaseInput::Close => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Event(event) => match event {
@@ -118,7 +130,7 @@ pub(super) const fn driving(input: PhaseInput) -> &'static [Rule] {
 pub(super) const fn returning_home(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start | PhaseInput::BackHome => RESUME,
-        PhaseInput::GoOn | PhaseInput::Retrieve | PhaseInput::Strategy | PhaseInput::Close => NOT_HERE,
+        PhaseInput::GoOn | PhaseInput::SearchAgain | PhaseInput::Retrieve | PhaseInput::Strategy | PhaseInput::Close => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Move | PhaseInput::Goto => DRIVE_IF_STOPPED,
         PhaseInput::Event(event) => going_home(
@@ -135,6 +147,7 @@ pub(super) const fn at_home(input: PhaseInput) -> &'static [Rule] {
             &[RefuseIf(Guard::Held), RefuseIf(Guard::VerdictAwaited), Go(Phase(PhaseName::Exploring), &[Release])]
         }
         PhaseInput::BackHome => RESUME,
+        PhaseInput::SearchAgain => SEARCH_AGAIN,
         PhaseInput::Retrieve | PhaseInput::Strategy => NOT_HERE,
         PhaseInput::Close => CLOSE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
@@ -146,6 +159,7 @@ pub(super) const fn at_home(input: PhaseInput) -> &'static [Rule] {
 pub(super) const fn explored(input: PhaseInput) -> &'static [Rule] {
     match input {
         PhaseInput::Start => EXPLORE_AGAIN,
+        PhaseInput::SearchAgain => SEARCH_AGAIN,
         PhaseInput::BackHome | PhaseInput::GoOn | PhaseInput::Retrieve | PhaseInput::Move | PhaseInput::Goto => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Strategy => CHOOSE,

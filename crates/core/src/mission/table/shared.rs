@@ -3,7 +3,7 @@
 
 use super::everywhere::PhaseEvent;
 use crate::mission::rule::Act::{
-    AlarmDanger, Archive, AskOperator, Begin, ChooseStrategy, Close, EmptyMap, EndSearch, LedOff, LedOn, Release,
+    AlarmDanger, Archive, AskOperator, Begin, ChooseStrategy, Close, EmptyMap, EndSearch, LedOff, LedOn, Release, SearchAgain,
 };
 use crate::mission::rule::Rule::{Go, Never, RefuseIf, When};
 use crate::mission::rule::To::{Phase, Stay};
@@ -19,6 +19,12 @@ pub(super) const EXPLORE_ON: &[Rule] = &[RefuseIf(Guard::Held), RefuseIf(Guard::
 /// Searches on from home. Under `mission.after_danger = "go_on"` the LED blinks already.
 pub(super) const SEARCH_ON: &[Rule] =
     &[RefuseIf(Guard::Held), RefuseIf(Guard::VerdictAwaited), Go(Phase(PhaseName::Exploring), &[Release, LedOn])];
+pub(super) const SEARCH_AGAIN: &[Rule] = &[
+    RefuseIf(Guard::Held),
+    RefuseIf(Guard::VerdictAwaited),
+    RefuseIf(Guard::AreaUnfit),
+    Go(Phase(PhaseName::Exploring), &[Release, LedOn, SearchAgain]),
+];
 pub(super) const EXPLORE_AGAIN: &[Rule] = &[
     RefuseIf(Guard::Held),
     RefuseIf(Guard::VerdictPending),

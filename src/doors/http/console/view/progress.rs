@@ -36,6 +36,12 @@ impl View<'_> {
         Some(self.say("kept-out-places").with("count", count))
     }
 
+    /// Returns the number of cells that are to be searched again, in words.
+    pub(in super::super) fn again(&self) -> Option<Phrase<'static>> {
+        let count = Some(self.snapshot.mission.again.len()).filter(|count| *count > 0)?;
+        Some(self.say("again-cells").with("count", count))
+    }
+
     /// Returns what was not searched, in words, if the phase reads like the end of the search. The page shows this
     /// text as large as the phase. Nobody knows how large the area beyond the known places is.
     pub(in super::super) fn unsearched(&self) -> Option<Phrase<'static>> {
