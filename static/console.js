@@ -328,6 +328,9 @@ function ask({ dataset, form }) {
     field.disabled = !field.value;
   }
   dialog.dataset.id = dataset.id ?? "";
+  const size = at("confirm-sizes");
+  size.hidden = size.disabled = !dataset.id;
+  for (const field of size.elements) field.value = "";
   at("confirm-question").textContent = dataset.question;
   at("confirm-consequence").textContent = dataset.consequence;
   at("confirm-yes").textContent = dataset.yes;

@@ -5,10 +5,12 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde_json::json;
 
 use super::fields::{Body, BodyFields, Unread, in_short, needed};
 use super::halt::is_halt;
 use super::vocabulary;
+use hallsweep_core::bomb_size::BombSize;
 use hallsweep_core::closing::Closing;
 use hallsweep_core::command::{Command, CommandId, Hot, HotAnswer, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
 use hallsweep_core::units::{Cell, Celsius, Epoch, LuggageId};
@@ -103,7 +105,7 @@ pub struct AreaBody {
 
 /// Answer about a piece, as `{"verdict":"safe"}`, `{"verdict":"danger","note":"wires"}` or `{"verdict":"unsure"}`.
 #[derive(Clone, Debug, JsonSchema)]
-#[schemars(deny_unknown_fields)]
+#[schemars(deny_unknown_fields, transform = only_danger)]
 pub struct VerdictBody {
     #[schemars(with = "vocabulary::AnswerWord")]
     verdict: String,
@@ -119,6 +121,9 @@ pub struct VerdictBody {
     /// Is the piece typical of this place?
     #[schemars(with = "Option<vocabulary::HotAnswer>")]
     typical: Option<String>,
+    /// How large the bomb may be, only with `danger`: `pipe`, `vest`, `suitcase`, `car`, or a radius in metres such as `120`.
+    #[schemars(regex(pattern = SIZE))]
+    size: Option<String>,
 }
 
 /// Report of the temperature: `{"celsius":21.5}`, `{"celsius":21.5,"sensor":"roof"}` or `{"status":"ok"}`.
@@ -143,6 +148,15 @@ const OPEN_POINTS: usize = 160;
 /// The characters that `is_visible` allows, as a regular expression for clients. Blanks at both ends are allowed,
 /// because `note` removes blanks there.
 const VISIBLE: &str = r"^[ \t\n\r]*[^\u0000-\u001f\u007f-\u009f\u200b-\u200f\u2028-\u202e\u2060-\u206f\ufeff]*[ \t\n\r]*$";
+
+/// The texts that `BombSize::read` accepts.
+const SIZE: &str = "^(pipe|vest|suitcase|car|[1-9][0-9]{0,2}|[1-4][0-9]{3}|5000)$";
+
+/// Adds to the schema of a verdict that only a danger has a size.
+fn only_danger(schema: &mut Schema) {
+    schema.insert("if".to_owned(), json!({"required": ["size"], "properties": {"size": {"type": "string"}}}));
+    schema.insert("then".to_owned(), json!({"properties": {"verdict": {"const": "danger"}}}));
+}
 
 /// Like `VISIBLE`, with at least one character that is not blank.
 const NAME: &str = concat!(
@@ -247,12 +261,13 @@ impl Body for AreaBody {
 }
 
 impl Body for VerdictBody {
-    const FIELDS: &'static [&'static str] = &["verdict", "note", "hidden", "obvious", "typical"];
+    const FIELDS: &'static [&'static str] = &["verdict", "note", "hidden", "obvious", "typical", "size"];
 
     fn taken(fields: &BodyFields) -> Result<VerdictBody, Unusable> {
         let verdict = needed(fields.text("verdict")?, "verdict", "{\"verdict\":\"safe\"}")?;
         let [hidden, obvious, typical] = ["hidden", "obvious", "typical"].map(|question| fields.text(question));
-        Ok(VerdictBody { verdict, note: fields.text("note")?, hidden: hidden?, obvious: obvious?, typical: typical? })
+        let (note, size) = (fields.text("note")?, fields.text("size")?);
+        Ok(VerdictBody { verdict, note, hidden: hidden?, obvious: obvious?, typical: typical?, size })
     }
 }
 
@@ -316,16 +331,21 @@ impl VerdictBody {
             hidden: answer("hidden", &self.hidden)?,
             obvious: answer("obvious", &self.obvious)?,
             typical: answer("typical", &self.typical)?,
+            size: self.size.as_deref().map(bomb_size).transpose()?,
         };
         let verdict = match self.verdict.as_str() {
             "safe" => Verdict::Safe,
             "danger" => Verdict::Danger,
-            "unsure" => return Ok(Command::Unsure { luggage, note, hot }),
+            "unsure" if hot.size.is_none() => return Ok(Command::Unsure { luggage, note, hot }),
+            "unsure" => return Err(only_danger_has_a_size()),
             other => {
                 let other = in_short(other);
                 return Err(Unusable(format!("{other:?} is no verdict: verdict is \"safe\", \"danger\" or \"unsure\"")));
             }
         };
+        if hot.size.is_some() && verdict != Verdict::Danger {
+            return Err(only_danger_has_a_size());
+        }
         Ok(Command::Verdict { luggage, verdict, note, hot })
     }
 }
@@ -396,6 +416,17 @@ pub fn close(name: &str, note_of: Option<&str>, open: &str) -> Result<Command, U
 }
 
 /// Reads the answer to one of the three questions about a piece; `None` if it was not answered.
+pub fn bomb_size(text: &str) -> Result<BombSize, Unusable> {
+    let most = BombSize::WIDEST_M;
+    let wrong =
+        || format!("{:?} is no size: size is pipe, vest, suitcase, car or a number of metres from 1 to {most}", in_short(text));
+    BombSize::read(text).ok_or_else(|| Unusable(wrong()))
+}
+
+fn only_danger_has_a_size() -> Unusable {
+    Unusable("size is how large a bomb may be: send it with the verdict danger only".to_owned())
+}
+
 pub fn hot_answer(question: &str, given: Option<&str>) -> Result<Option<HotAnswer>, Unusable> {
     let known = |answer: &str| HotAnswer::ALL.into_iter().find(|known| known.name() == answer);
     let wrong =

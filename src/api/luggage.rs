@@ -6,6 +6,7 @@ use serde::Serialize;
 use super::robot::PositionJson;
 use super::time::rfc3339;
 use super::vocabulary;
+use hallsweep_core::bomb_size::BombSize;
 use hallsweep_core::command::{Hot, HotAnswer};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Decision, Doubt, Judgement, Luggage, PhotoState};
@@ -70,8 +71,9 @@ pub struct DecisionJson {
     pub hot: HotJson,
 }
 
-/// Answers to the three questions about a piece; a question that was not answered is absent.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, JsonSchema)]
+/// Answers about a piece; a question that was not answered is absent.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[serde(rename_all = "camelCase")]
 pub struct HotJson {
     /// Is the piece hidden?
     #[schemars(with = "Option<vocabulary::HotAnswer>")]
@@ -85,6 +87,15 @@ pub struct HotJson {
     #[schemars(with = "Option<vocabulary::HotAnswer>")]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub typical: Option<&'static str>,
+    /// How large the bomb may be: `pipe`, `vest`, `suitcase`, `car`, or a radius in metres such as `120`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub size: Option<String>,
+    /// Distance from the bomb that everybody must keep, in metres; absent without a size.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mandatory_m: Option<u16>,
+    /// Distance from the bomb that people outdoors must keep, in metres; absent without a size of the table.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub preferred_m: Option<u16>,
 }
 
 /// Answer of one of two judges, which was kept back until the verdict.
@@ -146,7 +157,14 @@ impl From<&Doubt> for DecisionJson {
 impl From<Hot> for HotJson {
     fn from(hot: Hot) -> HotJson {
         let [hidden, obvious, typical] = hot.answers().map(|(_, answer)| answer.map(HotAnswer::name));
-        HotJson { hidden, obvious, typical }
+        HotJson {
+            hidden,
+            obvious,
+            typical,
+            size: hot.size.map(|size| size.to_string()),
+            mandatory_m: hot.size.map(BombSize::mandatory_m),
+            preferred_m: hot.size.and_then(BombSize::preferred_m),
+        }
     }
 }
 

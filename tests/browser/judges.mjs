@@ -66,14 +66,18 @@ const judges = {
     must(judged[0].note === 'a lunch box' && judged[0].hidden === 'no' && judged[0].typical === 'yes', JSON.stringify(judged));
 
     // One danger is enough. The robot comes home, and the search goes on from there.
-    const found = async (before) => {
+    const found = async (before, size) => {
       const asks = button(page, new RegExp(`DANGER #(?!${before}\\b)\\d+`)).first();
       await appears(page, asks, waiting);
       const id = await numberOf(asks);
       await photoIsShown(page, id);
       await look(page);
       await asks.click();
-      await page.getByRole('dialog').getByRole('button', { name: /DANGER/ }).click();
+      const dialog = page.getByRole('dialog');
+      if (size) await dialog.getByLabel('Size').selectOption(size);
+      await fits(page);
+      await picture(`danger-${size || 'unknown'}`);
+      await dialog.getByRole('button', { name: /DANGER/ }).click();
       await phase(page, /bomb located/i, waiting);
       await look(page);
       await button(page, 'Acknowledge').click();
@@ -84,10 +88,16 @@ const judges = {
     const one = await found(first);
     await picture('one-bomb');
     await button(page, 'GO ON SEARCHING').click();
-    const two = await found(one);
+    const two = await found(one, 'suitcase');
     await fits(page);
     await picture('two-bombs');
     must((await state()).mission.keepOut.length === 2, 'each bomb has its ring');
+    const sized = (await record(two)).decided;
+    must(sized.size === 'suitcase' && sized.mandatoryM === 46 && sized.preferredM === 564, JSON.stringify(sized));
+    await page.locator('#incident').getByText('Outdoors keep 564').waitFor();
+    must(await page.locator('#hall-evacuation .evacuation').count() === 3, 'two circles of the suitcase, one of the settings');
+    await page.locator('#checklist summary').click();
+    await page.getByText('within 15 m of the piece').waitFor();
 
     // The operator chooses which one is fetched first.
     await button(page, `RETRIEVE #${two}`).click();

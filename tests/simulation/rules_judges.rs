@@ -134,7 +134,7 @@ fn an_answer_about_an_earlier_photo_does_not_count() {
 /// A judge may change or complete the answer. A bare *safe* only repeats it.
 #[test]
 fn a_later_answer_of_the_same_judge_replaces_the_first_unless_it_adds_nothing() {
-    let hot = Hot { hidden: Some(HotAnswer::No), obvious: Some(HotAnswer::No), typical: Some(HotAnswer::Yes) };
+    let hot = Hot { hidden: Some(HotAnswer::No), obvious: Some(HotAnswer::No), typical: Some(HotAnswer::Yes), size: None };
     let issuer = |who: &str| Issuer { door: Door("http"), who: who.into(), from: "192.0.2.7".into() };
     let safe = |hot, note: Option<&str>| {
         let (luggage, note) = (LuggageRef::Pending, note.and_then(Note::new));
@@ -257,7 +257,7 @@ fn a_refused_safe_leaves_no_trace_while_two_judges_are_awaited() {
 
 #[test]
 fn where_the_questions_are_compulsory_a_safe_needs_all_three_answers_and_a_danger_none() {
-    let hot = Hot { hidden: Some(HotAnswer::No), obvious: Some(HotAnswer::CannotSay), typical: None };
+    let hot = Hot { hidden: Some(HotAnswer::No), obvious: Some(HotAnswer::CannotSay), ..Hot::NONE };
     let command = |hot, verdict| Command::Verdict { luggage: LuggageRef::Pending, verdict, note: None, hot };
     let mut run = at_a_piece(Rules { hot: HotRule::Required, ..ONE });
     for missing in [Hot::default(), hot] {

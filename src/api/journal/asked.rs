@@ -99,6 +99,9 @@ fn answer(luggage: LuggageRef, note: Option<&Note>, hot: Hot) -> Value {
             fields[question] = answer.name().into();
         }
     }
+    if let Some(size) = hot.size {
+        fields["size"] = size.to_string().into();
+    }
     fields
 }
 
@@ -110,7 +113,9 @@ fn command(coded: &Coded) -> Result<Command, Unparsed> {
         Ok::<_, Unparsed>(id.map_or(LuggageRef::Pending, |id| LuggageRef::Id(LuggageId(id))))
     };
     let hot = || {
-        Ok::<_, Unparsed>(Hot { hidden: hot_answer("hidden")?, obvious: hot_answer("obvious")?, typical: hot_answer("typical")? })
+        let size = coded.field::<Option<String>>("size")?.map(|size| names::bomb_size(&size)).transpose()?;
+        let [hidden, obvious, typical] = ["hidden", "obvious", "typical"].map(hot_answer);
+        Ok::<_, Unparsed>(Hot { hidden: hidden?, obvious: obvious?, typical: typical?, size })
     };
     if let Some(bare) = Command::BARE.into_iter().find(|bare| bare.code() == coded.code) {
         return Ok(bare);

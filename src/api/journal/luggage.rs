@@ -71,7 +71,7 @@ struct DoubtShape {
     hot: HotShape,
 }
 
-/// The answers to the three questions about a piece. A question that was not answered is left out.
+/// The answers about a piece. A question that was not answered is left out.
 #[derive(Serialize, Deserialize)]
 pub(super) struct HotShape {
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -80,6 +80,8 @@ pub(super) struct HotShape {
     obvious: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     typical: Option<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    size: Option<String>,
 }
 
 /// The answer of one judge, in the journal and in the file of answers that are kept back.
@@ -194,14 +196,15 @@ impl DoubtShape {
 impl From<Hot> for HotShape {
     fn from(hot: Hot) -> HotShape {
         let [hidden, obvious, typical] = hot.answers().map(|(_, answer)| answer.map(|answer| answer.name().to_owned()));
-        HotShape { hidden, obvious, typical }
+        HotShape { hidden, obvious, typical, size: hot.size.map(|size| size.to_string()) }
     }
 }
 
 impl HotShape {
     pub(super) fn hot(self) -> Result<Hot, Unparsed> {
         let read = |answer: Option<String>| answer.map(|answer| names::hot_answer(&answer)).transpose();
-        Ok(Hot { hidden: read(self.hidden)?, obvious: read(self.obvious)?, typical: read(self.typical)? })
+        let size = self.size.map(|size| names::bomb_size(&size)).transpose()?;
+        Ok(Hot { hidden: read(self.hidden)?, obvious: read(self.obvious)?, typical: read(self.typical)?, size })
     }
 }
 

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use super::Unparsed;
 use crate::api::door::DOORS;
 use crate::api::fields::in_short;
+use hallsweep_core::bomb_size::BombSize;
 use hallsweep_core::command::{CommandId, Door, HotAnswer, Move, Note, Strategy, TemperatureReport, Verdict};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::not_fetched::{AloneFault, Fetcher, StuckFault};
@@ -78,6 +79,10 @@ pub(super) fn strategy(name: &str) -> Result<Strategy, Unparsed> {
 
 pub(super) fn verdict(name: &str) -> Result<Verdict, Unparsed> {
     named("verdict", name, &[Verdict::Safe, Verdict::Danger], Verdict::name)
+}
+
+pub(super) fn bomb_size(text: &str) -> Result<BombSize, Unparsed> {
+    BombSize::read(text).ok_or_else(|| Unparsed(format!("{text:?} is no size of a bomb")))
 }
 
 pub(super) fn hot_answer(name: &str) -> Result<HotAnswer, Unparsed> {

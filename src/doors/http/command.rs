@@ -136,6 +136,7 @@ mod tests {
     use super::super::testing::{TestApp, app, read};
     use super::*;
     use crate::api::tests::fixture::searching;
+    use hallsweep_core::bomb_size::BombSize;
     use hallsweep_core::closing::Closing;
     use hallsweep_core::command::{Hot, HotAnswer, LuggageRef, Move, Note, TemperatureReport, Verdict};
     use hallsweep_core::refused::Refused;
@@ -168,6 +169,9 @@ mod tests {
         };
         let closing =
             Command::Close(Closing { name: Note::new("Anna Rossi").unwrap(), note: None, seen: "7:1,0,0,0,0,0".into() });
+        let hot = Hot { size: Some(BombSize::Radius(120)), ..Hot::NONE };
+        let luggage = LuggageRef::Id(LuggageId(3));
+        let sized = Command::Verdict { luggage, verdict: Verdict::Danger, note: None, hot };
         let area = Bounds { least: Cell::new(1, -1), most: Cell::new(3, 4) };
         let unsure = Command::Unsure {
             luggage: LuggageRef::Id(LuggageId(3)),
@@ -192,6 +196,7 @@ mod tests {
             ("POST", "/luggage/3/verdict", r#"{"verdict":"safe","note":"red"}"#, noted),
             ("POST", "/luggage/3/verdict", r#"{"verdict":"danger"}"#, verdict(Verdict::Danger)),
             ("POST", "/luggage/3/verdict", r#"{"verdict":"unsure","note":"red","hidden":"cannotSay"}"#, unsure),
+            ("POST", "/luggage/3/verdict", r#"{"verdict":"danger","size":"120"}"#, sized),
             ("POST", "/luggage/3/photo", "", Command::RetakePhoto(LuggageId(3))),
             ("POST", "/alarms/1/acknowledge", "", Command::Acknowledge(AlarmId(1))),
             ("PUT", "/temperature", r#"{"status":"tooHigh"}"#, Command::Temperature(TemperatureReport::TooHigh)),
@@ -240,6 +245,11 @@ mod tests {
             ("POST", "/commands/move", r#"{"move":"q"}"#, 422),
             ("POST", "/commands/move", r#"{"move":1}"#, 422),
             ("POST", "/commands/goto", r#"{"x":1}"#, 422),
+            ("POST", "/luggage/3/verdict", r#"{"verdict":"danger","size":"bus"}"#, 422),
+            ("POST", "/luggage/3/verdict", r#"{"verdict":"danger","size":"5001"}"#, 422),
+            ("POST", "/luggage/3/verdict", r#"{"verdict":"danger","size":120}"#, 422),
+            ("POST", "/luggage/3/verdict", r#"{"verdict":"safe","size":"pipe"}"#, 422),
+            ("POST", "/luggage/3/verdict", r#"{"verdict":"unsure","size":"pipe"}"#, 422),
             ("POST", "/commands/searchAgain", r#"{"x":1,"y":1,"toX":2}"#, 422),
             ("POST", "/commands/searchAgain", r#"{"x":1,"y":1,"toX":2,"toY":8193}"#, 422),
             ("POST", "/commands/searchAgain", r#"{"x":1,"y":1,"toX":2,"toY":2.5}"#, 422),

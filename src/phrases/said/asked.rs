@@ -2,6 +2,7 @@
 
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::asked::Asked;
+use hallsweep_core::bomb_size::BombSize;
 use hallsweep_core::closing::Closing;
 use hallsweep_core::command::{Carries, Command, Door, Hot, Issuer, Move, Note, TemperatureReport, Verdict};
 use hallsweep_core::units::{Celsius, LuggageId};
@@ -75,15 +76,26 @@ impl Language {
         }
     }
 
-    /// Words for the answers to the three questions, as `hidden: no, typical: yes`; `None` if there are none.
+    /// Words for the answers about a piece, as `hidden: no, typical: yes`; `None` if there are none.
     pub fn hot(self, hot: Hot) -> Option<String> {
         let given = hot.answers().into_iter().filter_map(|(question, answer)| Some((question, answer?)));
         let said = given.map(|(question, answer)| {
             let (question, answer) = (self.say_of("hot", question), self.say_of("hot-answer", answer.name()));
             format!("{question}: {answer}")
         });
-        let said: Vec<String> = said.collect();
+        let size = hot.size.map(|size| self.bomb_size(size));
+        let said: Vec<String> = said.chain(size).collect();
         (!said.is_empty()).then(|| said.join(", "))
+    }
+
+    fn bomb_size(self, size: BombSize) -> String {
+        let said = match size {
+            BombSize::Radius(metres) => self.say("size-radius").with("metres", metres),
+            BombSize::Pipe | BombSize::Vest | BombSize::Suitcase | BombSize::Car => {
+                self.say("size-named").with("size", self.say_of("size", &size.to_string()))
+            }
+        };
+        said.to_string()
     }
 }
 

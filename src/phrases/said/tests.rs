@@ -7,6 +7,7 @@ use std::time::Duration;
 use crate::phrases::Language;
 use behaviour_trees::state::StateError;
 use hallsweep_core::asked::Asked;
+use hallsweep_core::bomb_size::BombSize;
 use hallsweep_core::closing::{Closed, Closing, OpenPoints};
 use hallsweep_core::command::{
     Command, Door, Hot, HotAnswer, Issuer, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict,
@@ -80,7 +81,12 @@ fn commands() {
             luggage,
             verdict,
             note: note.clone(),
-            hot: Hot { hidden: Some(HotAnswer::No), obvious: None, typical: Some(HotAnswer::CannotSay) },
+            hot: Hot {
+                hidden: Some(HotAnswer::No),
+                typical: Some(HotAnswer::CannotSay),
+                size: Some(BombSize::Vest),
+                ..Hot::NONE
+            },
         }));
         let closing = Closing { name: Note::new("Anna Rossi").unwrap(), note: note.clone(), seen: "7:1,0,0,0,0,0".into() };
         commands.push(Command::Close(closing));

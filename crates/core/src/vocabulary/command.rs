@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use crate::bomb_size::BombSize;
 use crate::closing::Closing;
 use crate::units::{AlarmId, Bounds, Cell, Celsius, Epoch, LuggageId};
 use crate::words::is_visible;
@@ -324,20 +325,22 @@ named! {
     }
 }
 
-/// A judge's answers to the three questions about a piece: is it hidden, is it obviously suspicious, is it typical of
-/// this place? `None` for a question that was not answered.
+/// A judge's answers about a piece: is it hidden, is it obviously suspicious, is it typical of this place? For a danger,
+/// also how large the bomb may be. `None` for a question that was not answered.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Hot {
     pub hidden: Option<HotAnswer>,
     pub obvious: Option<HotAnswer>,
     pub typical: Option<HotAnswer>,
+    /// How large the bomb may be. Only a danger has it.
+    pub size: Option<BombSize>,
 }
 
 impl Hot {
     /// No question is answered.
-    pub const NONE: Hot = Hot { hidden: None, obvious: None, typical: None };
+    pub const NONE: Hot = Hot { hidden: None, obvious: None, typical: None, size: None };
 
-    /// Returns the questions by their names, with the answers.
+    /// Returns the three questions by their names, with the answers.
     #[must_use]
     pub const fn answers(self) -> [(&'static str, Option<HotAnswer>); 3] {
         [("hidden", self.hidden), ("obvious", self.obvious), ("typical", self.typical)]
@@ -358,11 +361,11 @@ impl std::fmt::Display for Hot {
     /// Example: `hidden: no, typical: yes`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let given = self.answers().into_iter().filter_map(|(question, answer)| Some((question, answer?)));
-        for (n, (question, answer)) in given.enumerate() {
+        let words = |(question, answer): (&str, HotAnswer)| {
             let answer = if answer == HotAnswer::CannotSay { "cannot say" } else { answer.name() };
-            write!(f, "{}{question}: {answer}", if n > 0 { ", " } else { "" })?;
-        }
-        Ok(())
+            format!("{question}: {answer}")
+        };
+        f.write_str(&given.map(words).chain(self.size.map(BombSize::in_words)).collect::<Vec<_>>().join(", "))
     }
 }
 

@@ -3,6 +3,7 @@
 
 pub mod arm;
 pub mod asked;
+pub mod bomb_size;
 pub mod closing;
 pub mod command;
 pub mod event;

@@ -13,6 +13,7 @@ use crate::api::problem::refusal;
 use behaviour_trees::Value as TreeValue;
 use hallsweep_core::arm::Parcel;
 use hallsweep_core::asked::Asked;
+use hallsweep_core::bomb_size::BombSize;
 use hallsweep_core::closing::{Closed, OpenPoints};
 use hallsweep_core::command::{
     Command, CommandId, Hot, HotAnswer, Issuer, LuggageRef, Move, Note, Strategy as Order, TemperatureReport, Verdict,
@@ -439,7 +440,8 @@ fn note() -> impl Strategy<Value = Option<Note>> {
 
 fn hot() -> impl Strategy<Value = Hot> {
     let answer = || option::of(one_of(&HotAnswer::ALL));
-    (answer(), answer(), answer()).prop_map(|(hidden, obvious, typical)| Hot { hidden, obvious, typical })
+    let size = option::of(prop_oneof![one_of(&BombSize::NAMED), (1..=BombSize::WIDEST_M).prop_map(BombSize::Radius)]);
+    (answer(), answer(), answer(), size).prop_map(|(hidden, obvious, typical, size)| Hot { hidden, obvious, typical, size })
 }
 
 fn judgement() -> impl Strategy<Value = Judgement> {

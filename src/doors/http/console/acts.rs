@@ -7,6 +7,7 @@ use super::super::reading::needed;
 use crate::api::command::{self, StrategyBody};
 use crate::api::commands::{CommandKind, CommandRow};
 use crate::api::fields::in_short;
+use hallsweep_core::bomb_size::BombSize;
 use hallsweep_core::command::{Command, Hot, LuggageRef, Note, TemperatureReport, Verdict};
 use hallsweep_core::units::{AlarmId, Epoch, LuggageId};
 
@@ -31,6 +32,8 @@ pub(in crate::doors::http) struct Fields {
     hidden: Option<String>,
     obvious: Option<String>,
     typical: Option<String>,
+    size: Option<String>,
+    radius: Option<String>,
     open: Option<String>,
 }
 
@@ -113,12 +116,23 @@ impl Fields {
     /// Returns the answer about a piece; without a verdict, the sender is unsure.
     fn answer(&self, verdict: Option<Verdict>) -> Result<Command, Problem> {
         let note = self.note.as_deref().map(note).transpose()?.flatten();
-        let hot = hot([&self.hidden, &self.obvious, &self.typical])?;
+        let size = self.size()?.filter(|_| verdict == Some(Verdict::Danger));
+        let hot = Hot { size, ..hot([&self.hidden, &self.obvious, &self.typical])? };
         let luggage = LuggageRef::Id(LuggageId(self.id()?));
         Ok(match verdict {
             Some(verdict) => Command::Verdict { luggage, verdict, note, hot },
             None => Command::Unsure { luggage, note, hot },
         })
+    }
+
+    /// Returns the size of the bomb: a word of the list, or the typed number of metres.
+    fn size(&self) -> Result<Option<BombSize>, Problem> {
+        let typed = |field: &Option<String>| field.clone().map(|text| text.trim().to_owned()).filter(|text| !text.is_empty());
+        let size = match (typed(&self.size), typed(&self.radius)) {
+            (Some(_), Some(_)) => return Err(Problem::unusable("choose a size or type a radius, not both".to_owned())),
+            (size, radius) => size.or(radius),
+        };
+        Ok(size.as_deref().map(command::bomb_size).transpose()?)
     }
 
     fn id(&self) -> Result<u64, Problem> {
@@ -155,7 +169,8 @@ fn hot([hidden, obvious, typical]: [&Option<String>; 3]) -> Result<Hot, Problem>
     let answer = |question: &str, given: &Option<String>| {
         command::hot_answer(question, given.as_deref().filter(|given| !given.is_empty()))
     };
-    Ok(Hot { hidden: answer("hidden", hidden)?, obvious: answer("obvious", obvious)?, typical: answer("typical", typical)? })
+    let [hidden, obvious, typical] = [answer("hidden", hidden), answer("obvious", obvious), answer("typical", typical)];
+    Ok(Hot { hidden: hidden?, obvious: obvious?, typical: typical?, size: None })
 }
 
 fn whole(name: &'static str, typed: &Option<String>) -> Result<i64, Problem> {
@@ -187,6 +202,8 @@ mod tests {
             name: Some("snail".to_owned()),
             status: None,
             open: Some("1:0,0,3,0,0,0".to_owned()),
+            size: Some("suitcase".to_owned()),
+            radius: Some(" ".to_owned()),
             luggage: Some("3".to_owned()),
             hidden: Some("no".to_owned()),
             obvious: Some("cannotSay".to_owned()),
@@ -204,8 +221,11 @@ mod tests {
         let area = Bounds { least: Cell::new(0, -2), most: Cell::new(1, 4) };
         assert_eq!(fields.command("searchAgain").unwrap().0, Command::SearchAgain(area), "corners in any order");
         let (luggage, note) = (LuggageRef::Id(LuggageId(3)), Note::new("a lunch box"));
-        let hot = Hot { hidden: Some(HotAnswer::No), obvious: Some(HotAnswer::CannotSay), typical: None };
-        assert_eq!(fields.command("safe").unwrap().0, Command::Verdict { luggage, verdict: Verdict::Safe, note, hot });
+        let hot = Hot { hidden: Some(HotAnswer::No), obvious: Some(HotAnswer::CannotSay), ..Hot::NONE };
+        let verdict = |verdict, hot| Command::Verdict { luggage, verdict, note: note.clone(), hot };
+        assert_eq!(fields.command("safe").unwrap().0, verdict(Verdict::Safe, hot));
+        let sized = Hot { size: Some(BombSize::Suitcase), ..hot };
+        assert_eq!(fields.command("danger").unwrap().0, verdict(Verdict::Danger, sized));
     }
 
     #[test]
@@ -217,6 +237,12 @@ mod tests {
         let with = |note: String| Fields { id: Some("3".to_owned()), note: Some(note), ..Fields::default() }.command("danger");
         assert!(with("x".repeat(501)).unwrap_err().detail().contains("501 characters: the limit is 500"));
         assert!(with("a\u{202e}b".to_owned()).unwrap_err().detail().contains("invisible"));
+        let sized = |size: &str, radius: &str| {
+            let (size, radius) = (Some(size.to_owned()), Some(radius.to_owned()));
+            Fields { id: Some("3".to_owned()), size, radius, ..Fields::default() }.command("danger")
+        };
+        assert!(sized("", "12,5").unwrap_err().detail().contains("\"12,5\" is no size"));
+        assert!(sized("car", "120").unwrap_err().detail().contains("not both"));
         assert!(matches!(with(" \n".to_owned()), Ok((Command::Verdict { note: None, .. }, _))), "a blank note is none");
     }
 }

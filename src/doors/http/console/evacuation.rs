@@ -1,5 +1,5 @@
-//! Distances in the hall: how far a piece is from home in metres, and the evacuation circle round a bomb. The
-//! settings give the radius of the circle. The circle is drawn only if the size of a cell is known. People decide who
+//! Distances in the hall: how far a piece is from home in metres, and the evacuation circles round a bomb. The size of
+//! the bomb gives their radius, otherwise the settings do. They are drawn only if the size of a cell is known. People decide who
 //! must leave. The keep-out rings, which the robots respect, and the cells to be searched again are drawn here too.
 
 use std::collections::BTreeSet;
@@ -8,7 +8,9 @@ use super::carriers::is_at;
 use super::drawing::{CELL, middle, write};
 use super::view::View;
 use crate::phrases::Language;
+use hallsweep_core::bomb_size::BombSize;
 use hallsweep_core::units::{Cell, Heading};
+use hallsweep_core::world::luggage::Luggage;
 
 /// Draws the cells to be searched again, and the circles and the rings round all bombs in the hall. The circle of a bomb that is being fetched moves with the bomb.
 pub(super) fn circles(v: &View<'_>) -> String {
@@ -17,10 +19,13 @@ pub(super) fn circles(v: &View<'_>) -> String {
         write(&mut group, format_args!("<path class=\"again\" d=\"{}\"/>", outline(&v.snapshot.mission.again)));
     }
     if let Some(cell_m) = v.hall.cell_m {
-        let radius = f64::from(CELL) * v.hall.evacuation_m / cell_m;
         for bomb in v.snapshot.luggage.bombs_left() {
             let (x, y) = is_at(v.snapshot, bomb);
-            write(&mut group, format_args!("<circle class=\"evacuation\" cx=\"{x}\" cy=\"{y}\" r=\"{radius:.1}\"/>"));
+            let (mandatory, preferred) = distances(v, bomb);
+            for (class, metres) in [("evacuation preferred", preferred), ("evacuation", Some(mandatory))] {
+                let Some(radius) = metres.map(|metres| f64::from(CELL) * metres / cell_m) else { continue };
+                write(&mut group, format_args!("<circle class=\"{class}\" cx=\"{x}\" cy=\"{y}\" r=\"{radius:.1}\"/>"));
+            }
         }
     }
     let radius = f64::from(CELL) * v.snapshot.mission.keep_out.radius();
@@ -47,8 +52,16 @@ fn outline(cells: &BTreeSet<Cell>) -> String {
     firsts.map(rectangle).collect()
 }
 
-/// Whether the circle round this cell contains the whole known part of the hall.
-pub(super) fn takes_in_all(v: &View<'_>, bomb: Cell) -> bool {
+/// Returns the distances in metres from a bomb that everybody must keep, and that people outdoors must keep. A bomb
+/// without a size has the distance of the settings.
+pub(super) fn distances(v: &View<'_>, bomb: &Luggage) -> (f64, Option<f64>) {
+    let size = bomb.verdict.as_ref().and_then(|decision| decision.hot.size);
+    let mandatory = size.map_or(v.hall.evacuation_m, |size| size.mandatory_m().into());
+    (mandatory, size.and_then(BombSize::preferred_m).map(f64::from))
+}
+
+/// Whether the inner circle round a bomb contains the whole known part of the hall.
+pub(super) fn takes_in_all(v: &View<'_>, bomb: &Luggage) -> bool {
     let Some(cell_m) = v.hall.cell_m else { return false };
     let known = v.snapshot.map.known_bounds();
     let corners = [
@@ -57,7 +70,8 @@ pub(super) fn takes_in_all(v: &View<'_>, bomb: Cell) -> bool {
         (known.least.x, known.most.y),
         (known.most.x, known.most.y),
     ];
-    corners.into_iter().all(|(x, y)| distance(Cell::new(x, y), bomb) * cell_m <= v.hall.evacuation_m)
+    let (mandatory, _) = distances(v, bomb);
+    corners.into_iter().all(|(x, y)| distance(Cell::new(x, y), bomb.cell) * cell_m <= mandatory)
 }
 
 pub(super) fn from_home(language: Language, cell: Cell, cell_m: Option<f64>) -> String {
@@ -98,9 +112,11 @@ mod tests {
     use super::super::view::HallInfo;
     use super::*;
     use crate::api::tests::fixture::{TEN, idle, piece, searching};
-    use hallsweep_core::command::Verdict;
+    use hallsweep_core::command::{Hot, Verdict};
     use hallsweep_core::settings::Rules;
     use hallsweep_core::snapshot::Snapshot;
+    use hallsweep_core::units::LuggageId;
+    use hallsweep_core::world::luggage::Decision;
 
     fn view(snapshot: &Snapshot, cell_m: Option<f64>) -> View<'_> {
         let hall = HallInfo {
@@ -122,7 +138,7 @@ mod tests {
         let drawn = circles(&view(&snapshot, Some(0.5)));
         assert_eq!(drawn.matches("r=\"500.0\"").count(), 2, "{drawn}");
         assert!(drawn.contains("cx=\"5\" cy=\"45\""), "round the middle of its cell: {drawn}");
-        snapshot.luggage.change(hallsweep_core::units::LuggageId(4), |bomb| bomb.secured = Some(TEN));
+        snapshot.luggage.change(LuggageId(4), |bomb| bomb.secured = Some(TEN));
         assert_eq!(
             circles(&view(&snapshot, Some(0.5))).matches("<circle").count(),
             1,
@@ -141,11 +157,26 @@ mod tests {
     }
 
     #[test]
+    fn a_bomb_of_known_size_has_the_two_circles_of_its_size() {
+        let mut snapshot = searching();
+        let name = |snapshot: &mut Snapshot, size| {
+            let decide = |decision: Decision| Decision { hot: Hot { size: Some(size), ..Hot::NONE }, ..decision };
+            snapshot.luggage.change(LuggageId(2), |bomb| bomb.verdict = bomb.verdict.take().map(decide));
+        };
+        for (size, circles_of) in [(BombSize::Suitcase, vec!["11280.0", "920.0"]), (BombSize::Radius(30), vec!["600.0"])] {
+            name(&mut snapshot, size);
+            let drawn = circles(&view(&snapshot, Some(0.5)));
+            let radii: Vec<&str> = drawn.split(" r=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
+            assert_eq!(radii, circles_of, "{drawn}");
+        }
+    }
+
+    #[test]
     fn without_the_side_of_a_cell_no_circle_is_guessed() {
         let snapshot = searching();
         let unmeasured = view(&snapshot, None);
         assert_eq!(circles(&unmeasured), "<g id=\"hall-evacuation\"></g>");
-        assert!(!takes_in_all(&unmeasured, Cell::HOME));
+        assert!(!takes_in_all(&unmeasured, &piece(2, Cell::HOME, Some(Verdict::Danger))));
     }
 
     #[test]
@@ -153,8 +184,9 @@ mod tests {
         let snapshot = searching();
         let known = snapshot.map.known_bounds();
         let reach = distance(known.most, known.least);
-        assert!(takes_in_all(&view(&snapshot, Some(24.9 / reach)), known.most));
-        assert!(!takes_in_all(&view(&snapshot, Some(25.1 / reach)), known.most));
+        let bomb = piece(2, known.most, Some(Verdict::Danger));
+        assert!(takes_in_all(&view(&snapshot, Some(24.9 / reach)), &bomb));
+        assert!(!takes_in_all(&view(&snapshot, Some(25.1 / reach)), &bomb));
     }
 
     #[test]

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 use askama::Template;
 
 use super::carriers::held_at;
-use super::evacuation::{from_home, takes_in_all};
+use super::evacuation::{distances, from_home, takes_in_all};
 use super::retrieval::wanted_of_the_operator;
 use super::view::{View, failure};
 use crate::api::luggage::photo_url;
@@ -90,15 +90,24 @@ impl Incident<'_> {
         from_home(self.v.language, bomb.cell, self.v.hall.cell_m)
     }
 
+    /// Returns how far people must keep away, in words: the largest distance of all bombs.
     fn evacuation(&self) -> Phrase<'static> {
-        let metres = self.v.language.number(&self.v.hall.evacuation_m.to_string());
+        let all = self.v.snapshot.luggage.bombs_left().map(|bomb| distances(self.v, bomb).0);
+        let metres = self.v.language.number(&all.fold(0.0, f64::max).to_string());
         if self.v.hall.cell_m.is_none() {
             return self.v.say("evacuate-no-circle").with("metres", metres);
         }
-        if self.bombs().iter().any(|bomb| takes_in_all(self.v, bomb.cell)) {
+        if self.bombs().iter().any(|bomb| takes_in_all(self.v, bomb)) {
             return self.v.say("evacuate-all").with("metres", metres);
         }
         self.v.say("evacuate-circle").with("metres", metres)
+    }
+
+    /// Returns the distance that people outdoors must keep, in words, if the size of a bomb is known.
+    fn outdoors(&self) -> Option<Phrase<'static>> {
+        let preferred = self.v.snapshot.luggage.bombs_left().filter_map(|bomb| distances(self.v, bomb).1);
+        let metres = preferred.fold(None, |most: Option<f64>, metres| Some(most.map_or(metres, |most| most.max(metres))))?;
+        Some(self.v.say("evacuate-outdoors").with("metres", self.v.language.number(&metres.to_string())))
     }
 
     fn next(&self) -> String {

@@ -8,6 +8,7 @@ use super::timeline::{MOST, THRESHOLD_Y, Timeline};
 use super::view::{View, Why};
 use super::{hall, pieces};
 use crate::phrases::{Language, Phrase};
+use hallsweep_core::bomb_size::BombSize;
 
 #[derive(Template)]
 #[template(path = "console/page.html")]

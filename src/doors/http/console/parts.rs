@@ -19,6 +19,7 @@ use crate::api::time::rfc3339;
 use crate::phrases::{Language, Phrase};
 use behaviour_trees::Status;
 use hallsweep_core::arm::ArmState;
+use hallsweep_core::bomb_size::BombSize;
 use hallsweep_core::closing::OpenPoints;
 use hallsweep_core::command::{Hot, HotAnswer, Note, Strategy};
 use hallsweep_core::not_fetched::Fetcher;

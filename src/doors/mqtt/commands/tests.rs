@@ -159,7 +159,7 @@ async fn what_is_wrong_is_refused_in_words_and_put_on_record() {
             r#"{"luggage":3,"word":"safe"}"#,
             422,
             "unusable",
-            "its fields are verdict, note, hidden, obvious, typical, id, luggage",
+            "its fields are verdict, note, hidden, obvious, typical, size, id, luggage",
         ),
         ("verdict", r#"{"luggage":3,"verdict":"safe","note":"a\nb"}"#, 422, "unusable", "the invisible character '\\n'"),
         ("verdict", r#"{"luggage":3,"verdict":"safe","note":7}"#, 422, "unusable", "`note` is 7: send a text in quotes"),
