@@ -13,6 +13,7 @@ use crate::telemetry;
 use hallsweep_core::mission::table_markdown;
 
 pub mod explore;
+pub mod export;
 mod failure;
 pub mod hall;
 pub mod healthcheck;
@@ -65,6 +66,8 @@ pub enum Subcommands {
     /// Write the report of a mission: one page with the hall, photos, verdicts and all other records, or a list of the
     /// records.
     Report(report::Reported),
+    /// Write what was recorded for other people, such as the police.
+    Export(export::Exports),
     /// Check, format and run behaviour tree files; mocks replace the leaves.
     Tree(tree::Trees),
     /// Simulate the Roomba of the laboratory, as state machine and as behaviour tree, and print the result.
@@ -290,6 +293,7 @@ mod tests {
             Subcommands::Serve(serve) => serve.flags().into_iter().map(|flag| (flag.key, flag.value)).collect(),
             other @ (Subcommands::Evaluate(_)
             | Subcommands::Explore(_)
+            | Subcommands::Export(_)
             | Subcommands::Pallet(_)
             | Subcommands::Hall(_)
             | Subcommands::Healthcheck(_)

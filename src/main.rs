@@ -4,8 +4,8 @@ use std::process::ExitCode;
 
 use clap::Parser;
 use hallsweep::cli::{
-    Cli, Failure, Subcommands, end, explore, hall, healthcheck, journal, pallet, print_table, report, robot_emulator, roomba,
-    serve, token, tree,
+    Cli, Failure, Subcommands, end, explore, export, hall, healthcheck, journal, pallet, print_table, report, robot_emulator,
+    roomba, serve, token, tree,
 };
 
 fn main() -> ExitCode {
@@ -21,6 +21,7 @@ fn run(task: Subcommands) -> Result<(), Failure> {
         Subcommands::Healthcheck(flags) => flags.address().and_then(healthcheck::run),
         Subcommands::Journal(asked) => journal::run(&asked),
         Subcommands::Report(asked) => report::run(&asked),
+        Subcommands::Export(asked) => export::run(&asked),
         Subcommands::Token(asked) => token::run(&asked),
         Subcommands::Tree(asked) => tree::run(&asked),
         Subcommands::RobotEmulator(flags) => robot_emulator::run(&flags),

@@ -4,6 +4,7 @@
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Cursor, Read, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use clap::{Args, ValueEnum};
 
@@ -44,30 +45,35 @@ enum Format {
     Csv,
 }
 
-fn language(tag: &str) -> Result<Language, String> {
+pub(super) fn language(tag: &str) -> Result<Language, String> {
     let known = || Language::ALL.map(Language::tag).join(" or ");
     Language::ALL.into_iter().find(|language| language.tag() == tag).ok_or_else(|| format!("write {}", known()))
 }
 
 pub fn run(asked: &Reported) -> Result<(), Failure> {
-    let archive = ReadOnlyJournal::open(&asked.folder.path()?)?.archive();
-    let mission = MissionId(asked.mission);
+    let path = &*asked.output;
+    let archive = opened(&asked.folder, MissionId(asked.mission), path)?;
+    OutputFile::open(path)?.fill(|file| written(asked, &*archive, &mut BufWriter::new(file), path))
+}
+
+/// Opens the journal. Fails if it does not have the mission, or if the file must not be written where it would be.
+pub(super) fn opened(folder: &Folder, mission: MissionId, path: &Path) -> Result<Arc<dyn Archive>, Failure> {
+    let data = folder.path()?;
+    let archive = ReadOnlyJournal::open(&data)?.archive();
     if archive.mission(mission)?.is_none() {
         return Err(Failure::Run(format!(
             "there is no mission {mission} in the journal: `hallsweep journal` lists the entries; for a mission in an archive, \
              add --data ARCHIVE"
         )));
     }
-    let path = &*asked.output;
     if !is_standard_output(path) {
-        let data = asked.folder.path()?;
         distinct([&*data], [path])?;
         if sqlite::is_within(&data, path) {
             let words = "is inside a data folder: choose a file in another folder";
             return Err(Failure::Usage(format!("{} {words}", path.display())));
         }
     }
-    OutputFile::open(path)?.fill(|file| written(asked, &*archive, &mut BufWriter::new(file), path))
+    Ok(archive)
 }
 
 fn written(asked: &Reported, archive: &dyn Archive, out: &mut dyn Write, path: &Path) -> Result<(), Failure> {
@@ -80,7 +86,12 @@ fn written(asked: &Reported, archive: &dyn Archive, out: &mut dyn Write, path: &
             None => return Err(Failure::Run(format!("the journal has no entries of mission {mission}"))),
         },
     };
-    match written.and_then(|()| out.flush().map_err(report::Failure::from)) {
+    outcome(written.and_then(|()| out.flush().map_err(report::Failure::from)), path)
+}
+
+/// A reader such as `head` may take only a part of the output. This is no failure.
+pub(super) fn outcome(written: Result<(), report::Failure>, path: &Path) -> Result<(), Failure> {
+    match written {
         Ok(()) => Ok(()),
         Err(report::Failure::Unwritable(error)) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
         Err(report::Failure::Unwritable(error)) => Err(unwritable(path, &error)),

@@ -9,6 +9,7 @@
 //! The doors and the command line decide when a report is made. Read the comment on `EDITION` before changing a
 //! report.
 
+pub mod bundle;
 mod chart;
 mod claim;
 mod compare;

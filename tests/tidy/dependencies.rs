@@ -58,7 +58,7 @@ const RULES: [Rule; 13] = [
     Rule {
         module: "report",
         modules: &["api", "phrases", "runtime"],
-        crates: &["askama", "base64", "csv", "hallsweep_core", "jpeg_encoder", "png", "sha2", "thiserror", "zune_jpeg"],
+        crates: &["askama", "base64", "csv", "hallsweep_core", "jpeg_encoder", "png", "sha2", "thiserror", "zip", "zune_jpeg"],
     },
     Rule {
         module: "doors",

@@ -73,3 +73,22 @@ missions-moment-previous = Previous
 missions-moment-next = Next
 missions-moment-last = Last
 missions-seconds-since = Times are in seconds since the retrieval began. The same data for programs:
+bundle-photo-lost = Photo { $take } of luggage #{ $id } is lost.
+bundle-readme =
+    Mission { $mission }, as hallsweep has recorded it.
+
+    report.html    the report: the hall, all pieces with photos and verdicts, alarms, commands, events
+    entries.jsonl  every entry of the journal, one JSON object in each line
+    photos         all photos, named by the piece and by the number of the photo
+    SHA256SUMS     the SHA-256 of each of these files
+
+    To check the files, hallsweep is not needed. Unpack them, and in this folder run
+
+    sha256sum -c SHA256SUMS
+
+    This shows that the files belong to this list. Whether it is the list that was handed over is shown by the
+    SHA-256 of the list itself, which was written down when the bundle was made:
+
+    sha256sum SHA256SUMS
+
+    Whoever has the journal can also compare the report with it: hallsweep journal check --report report.html

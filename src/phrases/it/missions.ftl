@@ -73,3 +73,22 @@ missions-moment-previous = Precedente
 missions-moment-next = Successivo
 missions-moment-last = Ultimo
 missions-seconds-since = I tempi sono secondi dall'inizio del recupero, secondo l'orologio. Gli stessi dati per i programmi:
+bundle-photo-lost = La foto { $take } del bagaglio #{ $id } è perduta.
+bundle-readme =
+    Missione { $mission }, come l’ha registrata hallsweep.
+
+    report.html    il rapporto: la sala, tutti i bagagli con foto e verdetti, allarmi, comandi, eventi
+    entries.jsonl  ogni voce del giornale, un oggetto JSON per riga
+    photos         tutte le foto, con il numero del bagaglio e della foto
+    SHA256SUMS     lo SHA-256 di ciascuno di questi file
+
+    Per controllare i file non serve hallsweep. Estrarli, e in questa cartella eseguire
+
+    sha256sum -c SHA256SUMS
+
+    Così si vede che i file sono quelli dell’elenco. Che l’elenco sia quello consegnato lo mostra lo SHA-256
+    dell’elenco stesso, annotato quando il pacchetto è stato fatto:
+
+    sha256sum SHA256SUMS
+
+    Chi ha il giornale può anche confrontare il rapporto con esso: hallsweep journal check --report report.html
