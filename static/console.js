@@ -330,7 +330,10 @@ function ask({ dataset, form }) {
   dialog.dataset.id = dataset.id ?? "";
   const size = at("confirm-sizes");
   size.hidden = size.disabled = !dataset.id;
-  for (const field of size.elements) field.value = "";
+  for (const field of size.elements) {
+    field.value = "";
+    field.oninput = () => [...size.elements].forEach((other) => other !== field && (other.value = ""));
+  }
   at("confirm-question").textContent = dataset.question;
   at("confirm-consequence").textContent = dataset.consequence;
   at("confirm-yes").textContent = dataset.yes;

@@ -34,6 +34,7 @@ const hall = (() => {
 
   /** The server's picture has these bounds now. Most often they are the same, and nothing is to be painted anew. */
   function bounds(view) {
+    outline();
     svg.classList.toggle("pinned", at("pins").childElementCount > 0);
     if (isFollowed) Object.assign(lens, robot());
     else if (view === whole.join(" ") && larger() === drawnLarger) return known === at("hall-labels").dataset.known || rule();
@@ -174,34 +175,42 @@ const hall = (() => {
   const area = document.createElementNS("http://www.w3.org/2000/svg", "path");
   area.setAttribute("class", "again");
   svg.append(area);
-  let corners = 0;
 
-  /** The pressed cell becomes a corner of the area: the first of a new area, or the opposite one. */
-  function putCorner(form, { x, y }) {
-    const { elements } = form;
-    if (corners++ % 2 === 0) [elements.x.value, elements.y.value] = [x, y];
-    [elements.toX.value, elements.toY.value] = [x, y];
-    outline(form);
+  /** The form of an area, while a person can use it. */
+  function areaForm() {
+    const form = document.querySelector("#again[open] form");
+    return form?.checkVisibility() && !root.dataset.past && !form.querySelector("fieldset").disabled ? form : null;
   }
 
-  /** Draws the area that is typed or chosen. */
-  function outline({ elements }) {
-    const [x, y, toX, toY] = ["x", "y", "toX", "toY"].map((name) => parseInt(elements[name].value, 10));
+  /** The pressed cell becomes a corner: the first of a new area, or the opposite one. */
+  function putCorner(form, { x, y }) {
+    const { elements } = form;
+    const isSecond = elements.x.value !== "" && elements.toX.value === "";
+    const [column, row] = isSecond ? ["toX", "toY"] : ["x", "y"];
+    if (!isSecond) [elements.toX.value, elements.toY.value] = ["", ""];
+    [elements[column].value, elements[row].value] = [x, y];
+    outline();
+  }
+
+  /** Draws the area that is typed or chosen; of a single corner its cell. */
+  function outline() {
+    const number = (name) => parseInt(areaForm()?.elements[name].value, 10);
+    const [x, y] = [number("x"), number("y")];
+    const [toX, toY] = [number("toX"), number("toY")].map((to, n) => (Number.isNaN(to) ? [x, y][n] : to));
     const [left, top, width, height] = [Math.min(x, toX), Math.min(y, toY), Math.abs(toX - x) + 1, Math.abs(toY - y) + 1].map((n) => n * CELL);
     area.setAttribute("d", Number.isNaN(left + top) ? "" : `M${left} ${top}h${width}v${height}h${-width}z`);
   }
 
-  document.addEventListener("input", ({ target }) => target.closest("#again") && outline(target.form));
-  document.addEventListener("submit", ({ target }) => {
-    if (target.closest("#again")) setTimeout(() => area.setAttribute("d", ""));
-  }, { capture: true });
+  for (const what of ["input", "reset", "toggle"]) {
+    document.addEventListener(what, ({ target }) => target.closest?.("#again") && setTimeout(outline), { capture: true });
+  }
 
-  /** A free cell was pressed: it is a corner of an area, or the robot can be sent there, when this is allowed. */
+  /** A cell was pressed: it is a corner of an area, or, if it is free, the robot can be sent there. */
   function offerCell(event) {
     hideOffer();
     const isFree = event.target.closest?.(".visited, .trail, .route, .ray");
-    const again = document.querySelector("#again[open] form");
-    if (again && !root.dataset.past && !again.querySelector("fieldset").disabled) return putCorner(again, cellOf(under(event)));
+    const again = areaForm();
+    if (again) return putCorner(again, cellOf(under(event)));
     const drive = document.querySelector("#manual form[action='./console/goto']");
     if (!isFree || root.dataset.past || !drive || drive.querySelector("fieldset").disabled) return;
     const cell = cellOf(under(event));

@@ -415,7 +415,6 @@ pub fn close(name: &str, note_of: Option<&str>, open: &str) -> Result<Command, U
     Ok(Command::Close(Closing { name, note: note_of.map(note).transpose()?.flatten(), seen: open.into() }))
 }
 
-/// Reads the answer to one of the three questions about a piece; `None` if it was not answered.
 pub fn bomb_size(text: &str) -> Result<BombSize, Unusable> {
     let most = BombSize::WIDEST_M;
     let wrong =
@@ -423,10 +422,11 @@ pub fn bomb_size(text: &str) -> Result<BombSize, Unusable> {
     BombSize::read(text).ok_or_else(|| Unusable(wrong()))
 }
 
-fn only_danger_has_a_size() -> Unusable {
+pub fn only_danger_has_a_size() -> Unusable {
     Unusable("size is how large a bomb may be: send it with the verdict danger only".to_owned())
 }
 
+/// Reads the answer to one of the three questions about a piece; `None` if it was not answered.
 pub fn hot_answer(question: &str, given: Option<&str>) -> Result<Option<HotAnswer>, Unusable> {
     let known = |answer: &str| HotAnswer::ALL.into_iter().find(|known| known.name() == answer);
     let wrong =

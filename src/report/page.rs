@@ -208,9 +208,7 @@ impl Top<'_> {
         let secured = state.luggage.iter().filter(|luggage| luggage.secured.is_some()).count();
         figures.push((say("report-secured-count"), secured.to_string()));
         if self.report.claim.edition > 3 {
-            let (judged, dangerous) = (state.luggage.len() - of("pending"), of("danger"));
-            let finding = say(if dangerous == 0 { "report-no-device" } else { "report-devices" });
-            figures.push((say("report-finding"), finding.with("count", judged).with("dangerous", dangerous).to_string()));
+            figures.push((say("report-finding"), self.language.finding(&state.luggage)));
             let closed = state.closed.as_ref().map(|closed| (closed, self.report.time(closed.wall)));
             let closed = closed.map(|(closed, time)| format!("{time}: {}", self.language.closed(closed)));
             figures.push((say("report-closed"), closed.unwrap_or_else(|| say("report-not-closed").to_string())));

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use hallsweep_core::command::{Command, Door, Issuer, Request, Strategy, Verdict};
+use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Request, Strategy, Verdict};
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::refused::Refused;
 use hallsweep_core::settings::{AfterDanger, Rules, Settings};
@@ -67,6 +67,40 @@ fn what_was_put_down_since_is_found() {
     assert!(run.state().mission.again.is_empty());
 }
 
+/// A sonar sees it from a distance, so the robot does not touch it.
+#[test]
+fn a_sonar_sees_what_was_put_down_since() {
+    let settings = Settings { sonar_cells: 8, ..Settings::default() };
+    let sim = SimSettings { sonar_cells: 8, sonar_noise_cm: 0.0, ..SimSettings::new(1, Camera::Stub) };
+    let mut run = Run::new(drawn(&["S.....", "......", "......", "......"]), sim, settings, Strategy::Auto);
+    run.give(Command::Start).unwrap();
+    run.until_explored();
+    run.sim.handle_hall(drawn(&["S.....", "......", "...a..", "......"]));
+    run.give(again((0, 0), (5, 3))).unwrap();
+    run.until("a piece that waits", |state| {
+        assert!(!state.robot.off_centre, "it touched the piece");
+        state.pending().is_some()
+    });
+    assert_eq!(run.state().pending().expect("it waits").cell, Cell::new(3, 2));
+}
+
+/// While the robot goes round a piece for an unsure judge, an area can be named. It follows after the verdict.
+#[test]
+fn an_area_that_is_named_during_an_inspection_follows_after_it() {
+    let mut run = in_drawn(&["S....", ".....", "..a..", "....."]);
+    run.give(Command::Start).unwrap();
+    let id = run.until_pending();
+    run.give(Command::Unsure { luggage: LuggageRef::Id(id), note: None, hot: Default::default() }).unwrap();
+    run.give(again((0, 0), (4, 3))).unwrap();
+    let noted = run.state().mission.again.len();
+    assert!(noted > 0 && run.phase() == PhaseName::Inspecting);
+    run.until("asked again", |state| !state.mission.is_viewing);
+    assert_eq!(run.give(again((0, 0), (4, 3))), Err(Refused::VerdictPending(id)));
+    run.verdict(id.0, Verdict::Safe).unwrap();
+    run.until_explored();
+    assert_eq!(run.state().mission.open.again, 0);
+}
+
 #[test]
 fn an_area_needs_searched_cells_and_not_too_many() {
     let mut run = in_drawn(&["S....", ".....", "....."]);
@@ -78,7 +112,8 @@ fn an_area_needs_searched_cells_and_not_too_many() {
     }
     run.give(again((-8192, -8192), (8192, 8192))).unwrap();
     assert_eq!(run.state().mission.again.len(), 14);
-    assert_eq!(run.give(again((1, 1), (4, 2))), Err(Refused::NothingSearched), "all of it waits already");
+    run.give(again((1, 1), (4, 2))).expect("it waits already, so nothing changes");
+    assert_eq!(run.state().mission.again.len(), 14);
     let rows = vec![".".repeat(80); 60];
     let rows: Vec<String> =
         rows.iter().enumerate().map(|(y, row)| if y == 0 { format!("S{}", &row[1..]) } else { row.clone() }).collect();
@@ -91,7 +126,8 @@ fn an_area_needs_searched_cells_and_not_too_many() {
     assert_eq!(run.give(again((64, 0), (79, 59))), Err(Refused::AreaTooLarge(4096)), "those that wait count, too");
 }
 
-/// The command moves the robot, so it is refused like START: under a hold, after a STOP that its sender has not seen, and while a piece waits.
+/// The command moves the robot, so it is refused like START: under a hold, after a STOP that its sender has not seen,
+/// and while a piece waits.
 #[test]
 fn searching_again_is_a_movement_command() {
     let mut run = in_drawn(&["S....", ".a...", "....."]);

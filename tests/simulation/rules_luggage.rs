@@ -3,7 +3,8 @@
 
 use std::sync::Arc;
 
-use hallsweep_core::command::{Command, LuggageRef, Strategy, Verdict};
+use hallsweep_core::bomb_size::BombSize;
+use hallsweep_core::command::{Command, Hot, LuggageRef, Strategy, Verdict};
 use hallsweep_core::event::{RobotEvent, Whereabouts};
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::refused::Refused;
@@ -193,4 +194,28 @@ fn a_robot_that_stands_elsewhere_takes_no_photo_of_the_piece() {
     bare.link_up();
     assert_eq!(bare.give(Command::RetakePhoto(LuggageId(1))), Err(Refused::NotInspected(LuggageId(1))));
     assert!(bare.verdict(Verdict::Safe).is_ok(), "the first photo shows the piece");
+}
+
+/// Safety V1: the size of a bomb is a part of the verdict, so it is final, too.
+#[test]
+fn the_size_of_a_bomb_is_final() {
+    let mut run = in_drawn(&["S...", ".a..", "...."]);
+    run.give(Command::Start).unwrap();
+    let id = run.until_pending();
+    let danger = |size| Command::Verdict {
+        luggage: LuggageRef::Id(id),
+        verdict: Verdict::Danger,
+        note: None,
+        hot: Hot { size, ..Hot::NONE },
+    };
+    run.give(danger(Some(BombSize::Vest))).unwrap();
+    run.give(danger(Some(BombSize::Vest))).expect("a repeat");
+    run.give(danger(None)).expect("a repeat");
+    let refused = Refused::Decided { luggage: id, verdict: Verdict::Danger };
+    for other in [BombSize::Car, BombSize::Radius(34)] {
+        assert_eq!(run.give(danger(Some(other))), Err(refused.clone()));
+    }
+    let state = run.state();
+    let kept = state.luggage(id).and_then(|piece| piece.verdict.as_ref()).map(|decision| decision.hot.size);
+    assert_eq!(kept, Some(Some(BombSize::Vest)));
 }

@@ -31,6 +31,7 @@ pub struct OpenShape {
     /// Number of such places inside keep-out rings, which are not in `places`.
     kept_out: usize,
     /// Number of cells that were to be searched again and were not reached.
+    #[serde(default)]
     again: usize,
     /// Number of cells that can be reached but were not visited; 0 if the hall is not known beforehand.
     unvisited: usize,

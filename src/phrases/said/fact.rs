@@ -2,7 +2,7 @@
 
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::closing::{Closed, OpenPoints};
-use hallsweep_core::command::{Hot, Note};
+use hallsweep_core::command::{Hot, Note, Verdict};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::refused::Refused;
 use hallsweep_core::settings::{AfterDanger, HotRule, Rules, SafeBy};
@@ -11,6 +11,7 @@ use hallsweep_core::state::fact::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::state::{Conditions, Phase, Retrieval, RetrievalStage, Stage};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Doubt, Judgement, Luggage, PhotoState};
+use hallsweep_core::world::records::LuggageRecords;
 
 impl Language {
     pub fn fact(self, fact: &Fact) -> String {
@@ -135,6 +136,16 @@ impl Language {
         let doubts = luggage.unsure.iter();
         let unsure = doubts.map(|Doubt { who, note, hot, .. }| self.unsure(luggage.id, who, *hot, note.as_ref()));
         unsure.chain(own).chain(others).collect()
+    }
+
+    /// Words for what a search has found. Nobody can say that there is no device.
+    pub fn finding(self, luggage: &LuggageRecords) -> String {
+        let (judged, dangerous) =
+            luggage.iter().filter_map(|piece| piece.verdict.as_ref()).fold((0, 0), |(judged, dangerous), decision| {
+                (judged + 1, dangerous + usize::from(decision.verdict == Verdict::Danger))
+            });
+        let said = self.say(if dangerous == 0 { "report-no-device" } else { "report-devices" });
+        said.with("count", judged).with("dangerous", dangerous).to_string()
     }
 
     fn unsure(self, luggage: LuggageId, who: &str, hot: Hot, note: Option<&Note>) -> String {

@@ -291,7 +291,7 @@ impl Engine {
     fn close_mission(&mut self, context: &InputContext) {
         let (Some(closing), Some(issuer)) = (&context.closing, &context.issuer) else { return };
         let (who, name, note) = (Arc::clone(&issuer.who), closing.name.clone(), closing.note.clone());
-        let open = self.open_points(&self.state.map, &self.state.luggage);
+        let open = self.open_points(&self.state.map, &self.state.luggage, self.state.again.len());
         self.world.touch(Resource::Mission);
         self.record(Fact::Closed(Box::new(Closed { who, name, note, open, wall: self.now.wall })));
     }

@@ -166,20 +166,22 @@ impl Engine {
         if !self.state.under_way {
             return Some(Refused::NotInPhase(phase.name()));
         }
-        let (mission, open) = (self.state.mission, self.open_points(&self.state.map, &self.state.luggage));
+        let (mission, open) =
+            (self.state.mission, self.open_points(&self.state.map, &self.state.luggage, self.state.again.len()));
         let seen = context.closing.as_ref().map(|closing| &*closing.seen)?;
         let is_seen = seen == open.code(mission) || seen.is_empty() && open.is_empty();
         (!is_seen).then(|| Refused::OpenPoints { mission, open: Box::new(open) })
     }
 
-    /// Refuses an area without a searched cell, and an area that would make the list of cells too long.
+    /// Refuses an area without a searched cell, and an area that would make the list of cells too long. Cells that are
+    /// on the list already may be named again.
     fn area_unfit(&self, area: Bounds) -> Option<Refused> {
-        let most = PersistentState::MOST_AGAIN;
-        let fresh = self.state.searched_in(area).filter(|cell| !self.state.again.contains(cell)).take(most + 1).count();
-        if fresh + self.state.again.len() > most {
+        let (again, most) = (&self.state.again, PersistentState::MOST_AGAIN);
+        let fresh = self.state.searched_in(area).filter(|cell| !again.contains(cell)).take(most + 1).count();
+        if fresh + again.len() > most {
             return Some(Refused::AreaTooLarge(most));
         }
-        (fresh == 0).then_some(Refused::NothingSearched)
+        (fresh == 0 && !again.iter().any(|cell| area.contains(*cell))).then_some(Refused::NothingSearched)
     }
 
     /// The piece that an exploring robot waits for. In some phases only these two commands explore.
@@ -216,7 +218,7 @@ impl Engine {
             Case::ThisPiece => matches!(phase, Phase::Inspecting(inspection) if inspection.luggage() == context.luggage),
             Case::SameVerdict => {
                 let verdict = context.luggage.and_then(|id| self.verdict_kept(id).or_else(|| self.mission.deciding(id)));
-                context.verdict.is_some() && verdict == context.verdict
+                context.verdict.is_some() && verdict == context.verdict && !self.names_another_size(context)
             }
             Case::FirstJudge => self.settings.rules.safe_by == SafeBy::Two && !self.is_second_judge(context),
             Case::FromIdle => matches!(phase.underlying(), Phase::Idle),
@@ -230,6 +232,15 @@ impl Engine {
             Case::GoesOnFromHere => self.goes_on() && self.case(Case::ThisPiece, phase, context),
             Case::SearchUnderWay => self.state.led_blinking,
         }
+    }
+
+    /// Whether the sender gives a bomb another size than the verdict has. A verdict is final, and so is its size.
+    fn names_another_size(&self, context: &InputContext) -> bool {
+        let stored = context.luggage.and_then(|id| self.state.luggage.get(id)?.verdict.as_ref()).map(|decision| decision.hot);
+        let hot = stored.or_else(|| {
+            self.mission.deciding.iter().find(|deciding| Some(deciding.luggage) == context.luggage).map(|deciding| deciding.hot)
+        });
+        context.hot.size.is_some() && hot.is_some_and(|hot| hot.size != context.hot.size)
     }
 
     /// Returns the refusal of a verdict if the piece already has a verdict, even one that is not stored yet. There is

@@ -230,8 +230,11 @@ impl Engine {
     /// Returns the nearest cell that is to be searched again; `None` if no such cell can be reached.
     fn next_goal_again(&mut self) -> Option<Goal> {
         let again = &self.state.again;
-        let is_wanted = |cell: Cell| again.contains(&cell);
-        let (cell, route) = self.planner.way_to_nearest(self.state.pose, is_wanted).filter(|_| !again.is_empty())?;
+        if again.is_empty() {
+            return None;
+        }
+        let (cell, route) = self.planner.way_to_nearest(self.state.pose, |cell| again.contains(&cell))?;
+        self.mission.has_news = false;
         self.set_goal(Some(Goal::Visit(cell)), self.state.search.clone());
         self.mission.route = route.into();
         self.state.goal

@@ -24,7 +24,8 @@ impl Engine {
             }
         }
         let cell = cell.ahead(heading);
-        let Some(obstacle) = obstacle.filter(|_| self.state.map.at(cell).is_unvisited()) else { return };
+        let is_searched = self.state.map.at(cell).is_unvisited() || self.state.again.contains(&cell);
+        let Some(obstacle) = obstacle.filter(|_| is_searched) else { return };
         self.mission.has_news |= self.state.map.at(cell) == Mark::Unknown;
         let obstacle = if self.settings.inspect_everything { Obstacle::Unknown } else { obstacle };
         self.mission.route.clear();

@@ -125,7 +125,7 @@ impl Engine {
             epoch: self.state.epoch,
             progress: self.progress(),
             again: Arc::clone(&shown.again),
-            open: self.open_points(self.shown_map(), &shown.luggage),
+            open: self.open_points(self.shown_map(), &shown.luggage, shown.again.len()),
             closed: shown.closed.clone(),
             keep_out: self.keep_out(),
             clock_set_ms: self.state.clock_set_ms,
@@ -173,7 +173,7 @@ impl Engine {
         Progress { visited: map.visited(), unknown: map.unsearched() - kept_out, kept_out, left: self.time_left(), reach }
     }
 
-    pub(super) fn open_points(&self, map: &HallMap, luggage: &LuggageRecords) -> OpenPoints {
+    pub(super) fn open_points(&self, map: &HallMap, luggage: &LuggageRecords, again: usize) -> OpenPoints {
         let reach = self.state.conditions.as_ref().and_then(|conditions| conditions.venue.reach);
         let kept_out = self.unsearched_in_rings(map);
         OpenPoints {
@@ -181,7 +181,7 @@ impl Engine {
             bombs: luggage.bombs_left().count(),
             places: map.unsearched() - kept_out,
             kept_out,
-            again: self.state.again.len(),
+            again,
             unvisited: reach.map_or(0, |reach| (reach.reachable as usize).saturating_sub(map.visited())),
             unreachable: reach.map_or(0, |reach| (reach.free - reach.reachable) as usize),
         }
@@ -200,7 +200,8 @@ impl Engine {
     /// Returns the remaining time. It is shown during a search, even while something holds or interrupts the search.
     /// The estimate uses everything that is known, recorded or not.
     fn time_left(&self) -> Option<TimeLeft> {
-        if !matches!(self.state.phase.underlying(), Phase::Exploring | Phase::Inspecting(_)) {
+        let searches = matches!(self.state.phase.underlying(), Phase::Exploring | Phase::Inspecting(_));
+        if !searches || !self.state.again.is_empty() {
             return None;
         }
         let grid = &self.planner.grid;

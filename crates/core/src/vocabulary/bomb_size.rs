@@ -54,8 +54,7 @@ impl BombSize {
         }
     }
 
-    /// Distance in metres that people outdoors must keep, and people in buildings should keep; `None` if it is not
-    /// known.
+    /// Distance in metres up to which people must not stay outdoors, but in buildings; `None` if it is not known.
     #[must_use]
     pub const fn preferred_m(self) -> Option<u16> {
         match self {

@@ -93,7 +93,7 @@ pub enum Refused {
     OpenPoints { mission: MissionId, open: Box<OpenPoints> },
     #[error("no searched cell lies in this area: name two corners of an area that the robot has searched")]
     NothingSearched,
-    #[error("the area is too large: at most {0} cells are searched again at a time")]
+    #[error("too many cells: at most {0} can wait to be searched again")]
     AreaTooLarge(usize),
     #[error("the fault still stands: {0}")]
     FaultStands(FaultCause),

@@ -116,7 +116,10 @@ impl Fields {
     /// Returns the answer about a piece; without a verdict, the sender is unsure.
     fn answer(&self, verdict: Option<Verdict>) -> Result<Command, Problem> {
         let note = self.note.as_deref().map(note).transpose()?.flatten();
-        let size = self.size()?.filter(|_| verdict == Some(Verdict::Danger));
+        let size = self.size()?;
+        if size.is_some() && verdict != Some(Verdict::Danger) {
+            return Err(command::only_danger_has_a_size().into());
+        }
         let hot = Hot { size, ..hot([&self.hidden, &self.obvious, &self.typical])? };
         let luggage = LuggageRef::Id(LuggageId(self.id()?));
         Ok(match verdict {
@@ -125,13 +128,10 @@ impl Fields {
         })
     }
 
-    /// Returns the size of the bomb: a word of the list, or the typed number of metres.
+    /// Returns the size of the bomb: the typed number of metres, otherwise the chosen word of the list.
     fn size(&self) -> Result<Option<BombSize>, Problem> {
         let typed = |field: &Option<String>| field.clone().map(|text| text.trim().to_owned()).filter(|text| !text.is_empty());
-        let size = match (typed(&self.size), typed(&self.radius)) {
-            (Some(_), Some(_)) => return Err(Problem::unusable("choose a size or type a radius, not both".to_owned())),
-            (size, radius) => size.or(radius),
-        };
+        let size = typed(&self.radius).or_else(|| typed(&self.size));
         Ok(size.as_deref().map(command::bomb_size).transpose()?)
     }
 
@@ -202,7 +202,7 @@ mod tests {
             name: Some("snail".to_owned()),
             status: None,
             open: Some("1:0,0,3,0,0,0".to_owned()),
-            size: Some("suitcase".to_owned()),
+            size: Some(String::new()),
             radius: Some(" ".to_owned()),
             luggage: Some("3".to_owned()),
             hidden: Some("no".to_owned()),
@@ -224,8 +224,10 @@ mod tests {
         let hot = Hot { hidden: Some(HotAnswer::No), obvious: Some(HotAnswer::CannotSay), ..Hot::NONE };
         let verdict = |verdict, hot| Command::Verdict { luggage, verdict, note: note.clone(), hot };
         assert_eq!(fields.command("safe").unwrap().0, verdict(Verdict::Safe, hot));
+        let fields = Fields { size: Some("suitcase".to_owned()), ..fields };
         let sized = Hot { size: Some(BombSize::Suitcase), ..hot };
         assert_eq!(fields.command("danger").unwrap().0, verdict(Verdict::Danger, sized));
+        assert!(fields.command("safe").unwrap_err().detail().contains("with the verdict danger only"));
     }
 
     #[test]
@@ -242,7 +244,8 @@ mod tests {
             Fields { id: Some("3".to_owned()), size, radius, ..Fields::default() }.command("danger")
         };
         assert!(sized("", "12,5").unwrap_err().detail().contains("\"12,5\" is no size"));
-        assert!(sized("car", "120").unwrap_err().detail().contains("not both"));
+        let radius = |size: &str| sized(size, "120").map(|(command, _)| command).unwrap();
+        assert_eq!(radius("car"), radius(""), "a typed radius counts");
         assert!(matches!(with(" \n".to_owned()), Ok((Command::Verdict { note: None, .. }, _))), "a blank note is none");
     }
 }

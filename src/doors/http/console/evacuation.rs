@@ -1,6 +1,7 @@
 //! Distances in the hall: how far a piece is from home in metres, and the evacuation circles round a bomb. The size of
-//! the bomb gives their radius, otherwise the settings do. They are drawn only if the size of a cell is known. People decide who
-//! must leave. The keep-out rings, which the robots respect, and the cells to be searched again are drawn here too.
+//! the bomb gives their radius, otherwise the settings do. They are drawn only if the size of a cell is known. People
+//! decide who must leave. The keep-out rings, which the robots respect, and the cells to be searched again are drawn
+//! here, too.
 
 use std::collections::BTreeSet;
 
@@ -12,7 +13,8 @@ use hallsweep_core::bomb_size::BombSize;
 use hallsweep_core::units::{Cell, Heading};
 use hallsweep_core::world::luggage::Luggage;
 
-/// Draws the cells to be searched again, and the circles and the rings round all bombs in the hall. The circle of a bomb that is being fetched moves with the bomb.
+/// Draws the cells to be searched again, and the circles and the rings round all bombs in the hall. The circle of a
+/// bomb that is being fetched moves with the bomb.
 pub(super) fn circles(v: &View<'_>) -> String {
     let mut group = String::from("<g id=\"hall-evacuation\">");
     if !v.snapshot.mission.again.is_empty() {

@@ -100,10 +100,11 @@ impl Incident<'_> {
         if self.bombs().iter().any(|bomb| takes_in_all(self.v, bomb)) {
             return self.v.say("evacuate-all").with("metres", metres);
         }
-        self.v.say("evacuate-circle").with("metres", metres)
+        let circle = if self.outdoors().is_some() { "evacuate-inner" } else { "evacuate-circle" };
+        self.v.say(circle).with("metres", metres)
     }
 
-    /// Returns the distance that people outdoors must keep, in words, if the size of a bomb is known.
+    /// Returns up to which distance people must not stay outdoors, in words, if the size of a bomb is known.
     fn outdoors(&self) -> Option<Phrase<'static>> {
         let preferred = self.v.snapshot.luggage.bombs_left().filter_map(|bomb| distances(self.v, bomb).1);
         let metres = preferred.fold(None, |most: Option<f64>, metres| Some(most.map_or(metres, |most| most.max(metres))))?;

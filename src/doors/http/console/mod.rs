@@ -155,7 +155,8 @@ pub(super) async fn confirm_close(State(door): State<HttpDoor>, Spoken(language)
 fn close_page(door: &HttpDoor, language: Language, why: String, [name, note]: [String; 2]) -> Html<String> {
     let snapshot = door.handle.snapshot();
     let (open, code) = (snapshot.mission.open, snapshot.mission.open.code(snapshot.mission.id));
-    html(&parts::CloseMission { language, open, code, why, name, note })
+    let finding = language.finding(&snapshot.luggage);
+    html(&parts::CloseMission { language, finding, open, code, why, name, note })
 }
 
 async fn whole(door: &HttpDoor, to: &PageReader, why: Option<Why>) -> Html<String> {

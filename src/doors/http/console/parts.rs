@@ -167,6 +167,8 @@ impl Confirm {
 #[template(path = "console/closing.html")]
 pub(super) struct CloseMission {
     pub(super) language: Language,
+    /// What the search has found.
+    pub(super) finding: String,
     pub(super) open: OpenPoints,
     /// What the form sends as seen.
     pub(super) code: String,

@@ -308,7 +308,10 @@ impl View<'_> {
                 let secured = self.secured()?;
                 Some(self.say("next-secured").with("what", capital(&secured)).to_string())
             }
-            PhaseName::Explored => Some(self.say("next-explored").to_string()),
+            PhaseName::Explored => {
+                let finding = self.language.finding(&self.snapshot.luggage);
+                Some(format!("{finding} {}", self.say("next-explored")))
+            }
             PhaseName::Idle
             | PhaseName::Exploring
             | PhaseName::Inspecting

@@ -241,7 +241,7 @@ fn check_command(table: &'static str, name: PhaseName, input: Input, holds: &'st
     let before = engine.clone();
     let mut command = command(input).expect("every input of COMMANDS is a command");
     if let Command::Close(closing) = &mut command {
-        let open = before.open_points(&before.state.map, &before.state.luggage);
+        let open = before.open_points(&before.state.map, &before.state.luggage, before.state.again.len());
         closing.seen = open.code(before.state.mission).into();
     }
     let request = Request::new(command, Issuer::operator(Door::LOCAL));

@@ -55,6 +55,9 @@ impl View<'_> {
         if is_an_end && count > 0 {
             return Some(self.say("unsearched").with("count", count));
         }
+        if is_an_end && !mission.again.is_empty() {
+            return self.again();
+        }
         let is_partial = |reach: &Reach| mission.phase == PhaseName::Explored && reach.reachable < reach.free;
         let Reach { reachable, free } = mission.progress.reach.filter(is_partial)?;
         Some(self.say("searched-of").with("reachable", reachable).with("free", free))
