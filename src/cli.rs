@@ -66,7 +66,7 @@ pub enum Subcommands {
     /// Write the report of a mission: one page with the hall, photos, verdicts and all other records, or a list of the
     /// records.
     Report(report::Reported),
-    /// Write what was recorded for other people, such as the police.
+    /// Write recorded missions as files for other people, such as the police.
     Export(export::Exports),
     /// Check, format and run behaviour tree files; mocks replace the leaves.
     Tree(tree::Trees),

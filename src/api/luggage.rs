@@ -93,7 +93,8 @@ pub struct HotJson {
     /// Distance from the bomb that everybody must keep, in metres; absent without a size.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub mandatory_m: Option<u16>,
-    /// Distance from the bomb up to which people must not stay outdoors, in metres; absent without a size of the table.
+    /// Distance from the bomb within which people outdoors must go into a building, in metres; absent without a size of
+    /// the table.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub preferred_m: Option<u16>,
 }

@@ -8,6 +8,7 @@ use clap::{Args, Subcommand};
 use super::output_file::OutputFile;
 use super::report::{language, opened, outcome};
 use super::{Failure, Folder};
+use crate::api::time::rfc3339;
 use crate::phrases::Language;
 use crate::report::bundle;
 use crate::telemetry;
@@ -50,6 +51,14 @@ pub fn run(Exports { what: Exported::Bundle(asked) }: &Exports) -> Result<(), Fa
         let written = bundle::write(&*archive, mission, asked.language, &mut BufWriter::new(file));
         outcome(written.map(|of_sums| digest = of_sums), path)
     })?;
-    telemetry::say(format_args!("{} is written: write down the SHA-256 of its list SHA256SUMS, {digest}", path.display()));
+    if digest.is_empty() {
+        return Ok(()); // The reader of standard output wanted only a part.
+    }
+    let began = archive.mission(mission)?.map(|record| rfc3339(record.began)).unwrap_or_default();
+    let (file, data) = (path.display(), asked.folder.path()?);
+    telemetry::say(format_args!(
+        "{file} is written: mission {mission} of {}, begun {began}; write down the SHA-256 of its list SHA256SUMS, {digest}",
+        data.display()
+    ));
     Ok(())
 }

@@ -7,7 +7,8 @@ use sha2::{Digest, Sha256};
 use zip::write::{SimpleFileOptions, StreamWriter};
 use zip::{CompressionMethod, DateTime, ZipWriter};
 
-use super::{Failure, Report, list};
+use super::page::TAKES;
+use super::{Claim, Failure, Report, list, still_there};
 use crate::phrases::Language;
 use crate::runtime::archive::{Archive, NoTake, Unreadable, hex};
 use hallsweep_core::units::MissionId;
@@ -27,38 +28,53 @@ pub fn write(archive: &dyn Archive, mission: MissionId, language: Language, out:
     let report = Report::new(archive, mission, language)?.ok_or_else(no_entries)?;
     let folder = format!("hallsweep-mission-{mission}");
     let mut bundle = BundleWriter { zip: ZipWriter::new_stream(out), folder, sums: String::new() };
-    bundle.file("report.html", |file| report.write(file))?;
-    bundle.file("entries.jsonl", |file| list::write_lines(archive, mission, file))?;
-    let mut lost = Vec::new();
-    let luggage = archive.state(mission)?.map(|state| state.of.luggage).unwrap_or_default();
-    for piece in luggage.iter() {
-        for take in 1..=piece.take().unwrap_or_default() {
-            match archive.take(piece.id, take) {
-                Ok(Some(photo)) => {
-                    let ending = photo.media_type.rsplit('/').next().unwrap_or("bin");
-                    let name = format!("photos/luggage-{}-photo-{take}.{ending}", piece.id);
-                    bundle.file(&name, |file| Ok(file.write_all(&photo.bytes)?))?;
-                }
-                Ok(None) | Err(NoTake::Spoilt(_)) => {
-                    lost.push(language.say("bundle-photo-lost").with("id", piece.id).with("take", take).to_string());
-                }
-                Err(NoTake::Unreadable(unreadable)) => return Err(unreadable.into()),
-            }
+    match bundle.fill(archive, &report, language) {
+        Ok(digest) => {
+            bundle.zip.finish().map_err(io::Error::from)?.into_inner().flush()?;
+            Ok(digest)
+        }
+        Err(failure) => {
+            // Dropping the writer would complete the file, as if everything were in it.
+            std::mem::forget(bundle.zip);
+            Err(failure)
         }
     }
-    let readme = language.say("bundle-readme").with("mission", mission).to_string();
-    bundle.file("README.txt", |file| Ok(writeln!(file, "{readme}\n{}", lost.join("\n"))?))?;
-    let digest = hex(&Sha256::digest(bundle.sums.as_bytes()));
-    let sums = std::mem::take(&mut bundle.sums);
-    bundle.file(SUMS, |file| Ok(file.write_all(sums.as_bytes())?))?;
-    bundle.zip.finish().map_err(io::Error::from)?.into_inner().flush()?;
-    Ok(digest)
 }
 
 impl BundleWriter<'_> {
-    /// Adds a file, and its digest to the list. The photos are compressed already, and the rest is small.
+    fn fill(&mut self, archive: &dyn Archive, report: &Report<'_>, language: Language) -> Result<String, Failure> {
+        let Claim { mission, until, .. } = report.claim;
+        self.file("report.html", |file| report.write(file))?;
+        self.file("entries.jsonl", |file| list::write_lines_until(archive, mission, until, file))?;
+        let state = archive.state(mission)?;
+        let mut missing = state.iter().flat_map(|state| state.damage.clone()).collect::<Vec<_>>();
+        for piece in state.iter().flat_map(|state| state.of.luggage.iter()) {
+            let newest = piece.take().unwrap_or_default();
+            for take in newest.saturating_sub(TAKES - 1).max(1)..=newest {
+                match archive.take(piece.id, take) {
+                    Ok(Some(photo)) => {
+                        let ending = photo.media_type.rsplit('/').next().unwrap_or("bin");
+                        let name = format!("photos/luggage-{}-photo-{take}.{ending}", piece.id);
+                        self.file(&name, |file| Ok(file.write_all(&photo.bytes)?))?;
+                    }
+                    Ok(None) | Err(NoTake::Spoilt(_)) => {
+                        missing.push(language.say("bundle-photo-lost").with("id", piece.id).with("take", take).to_string());
+                    }
+                    Err(NoTake::Unreadable(unreadable)) => return Err(unreadable.into()),
+                }
+            }
+        }
+        still_there(archive, mission, report.began)?;
+        let readme = language.say("bundle-readme").with("mission", mission).to_string();
+        self.file("README.txt", |file| Ok(writeln!(file, "{readme}\n{}", missing.join("\n"))?))?;
+        let sums = std::mem::take(&mut self.sums);
+        self.file(SUMS, |file| Ok(file.write_all(sums.as_bytes())?))?;
+        Ok(hex(&Sha256::digest(sums.as_bytes())))
+    }
+
+    /// Adds a file, and its digest to the list.
     fn file(&mut self, name: &str, write: impl FnOnce(&mut dyn Write) -> Result<(), Failure>) -> Result<(), Failure> {
-        let options = SimpleFileOptions::default().compression_method(CompressionMethod::Stored);
+        let options = SimpleFileOptions::default().compression_method(CompressionMethod::Deflated);
         let options = options.last_modified_time(DateTime::default()).large_file(true);
         self.zip.start_file(format!("{}/{name}", self.folder), options).map_err(io::Error::from)?;
         let mut hashing = Hashing { to: &mut self.zip, hasher: Sha256::new() };

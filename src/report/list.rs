@@ -17,7 +17,16 @@ const COLUMNS: [&str; 8] = ["entry", "time", "kind", "what", "who", "from", "doo
 const FORMULA: [char; 6] = ['=', '+', '-', '@', '\t', '\r'];
 
 pub fn write_lines(archive: &dyn Archive, mission: MissionId, out: &mut dyn Write) -> Result<(), Failure> {
-    let (until, began) = (end(archive)?, first(archive, mission)?);
+    write_lines_until(archive, mission, end(archive)?, out)
+}
+
+pub(super) fn write_lines_until(
+    archive: &dyn Archive,
+    mission: MissionId,
+    until: Seq,
+    out: &mut dyn Write,
+) -> Result<(), Failure> {
+    let began = first(archive, mission)?;
     let batch = |after| archive.lines(mission, Span { after, until }, BATCH);
     in_batches(batch, |_, line| Ok(out.write_all(line.as_bytes()).and_then(|()| out.write_all(b"\n"))?))?;
     still_there(archive, mission, began)

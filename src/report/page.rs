@@ -26,7 +26,7 @@ const PHOTOS: usize = 5 << 20;
 
 /// Maximum number of photos of one piece in a report. If there are more, the latest photos are shown. Without this
 /// limit, a damaged record with a count of billions would cause billions of queries.
-const TAKES: u32 = 1000;
+pub(super) const TAKES: u32 = 1000;
 
 pub(super) fn write(report: &Report<'_>, out: &mut dyn Write) -> Result<(), Failure> {
     let state = report.moment.as_ref().map(|moment| &moment.past.of.state);

@@ -94,7 +94,7 @@ const judges = {
     must((await state()).mission.keepOut.length === 2, 'each bomb has its ring');
     const sized = (await record(two)).decided;
     must(sized.size === 'suitcase' && sized.mandatoryM === 46 && sized.preferredM === 564, JSON.stringify(sized));
-    await page.locator('#incident').getByText('From there up to 564').waitFor();
+    await page.locator('#incident').getByText('Between 100 m and 564').waitFor();
     must(await page.locator('#hall-evacuation .evacuation').count() === 3, 'two circles of the suitcase, one of the settings');
     await page.locator('#checklist summary').click();
     await page.getByText('within 15 m of the piece').waitFor();

@@ -38,6 +38,8 @@ fn begun(folder: &Folder) -> (Program, u64) {
 fn a_bundle_is_checked_without_hallsweep_and_a_changed_file_is_noticed() {
     let folder = Folder::new("bundles");
     let (program, piece) = begun(&folder);
+    let over_http = program.read(&format!("/api/v1/luggage/{piece}/photo?take=1"), &[]).body;
+    drop(program);
     let zip = PathBuf::from(format!("{}-mission.zip", folder.text()));
     let written = bundle(&folder, &["1", "-o", zip.to_str().expect("a plain name")]);
     let said = String::from_utf8_lossy(&written.stderr).into_owned();
@@ -49,7 +51,7 @@ fn a_bundle_is_checked_without_hallsweep_and_a_changed_file_is_noticed() {
     assert!(said.contains(&digest), "{digest} in {said}");
 
     let photo = fs::read(files.join(format!("photos/luggage-{piece}-photo-1.png"))).expect("the photo is in it");
-    assert!(photo == program.read(&format!("/api/v1/luggage/{piece}/photo?take=1"), &[]).body, "byte by byte");
+    assert!(photo == over_http, "byte by byte");
     let entries = fs::read_to_string(files.join("entries.jsonl")).expect("they are in it");
     assert!(entries.lines().any(|line| line.contains("\"size\":\"suitcase\"")), "{entries}");
     let report = files.join("report.html");

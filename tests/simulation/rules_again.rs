@@ -231,3 +231,22 @@ fn after_a_kill_the_same_cells_are_left() {
     mortal.keep_all();
     assert!(mortal.state().mission.again.is_empty());
 }
+
+/// A bomb that stands in a cell that was free stays an obstacle when START tries blocked cells again after a fault.
+#[test]
+fn a_bomb_found_by_searching_again_stays_on_the_map_after_a_fault() {
+    let mut run = in_drawn(&["S......"]);
+    run.give(Command::Start).unwrap();
+    run.until_explored();
+    run.sim.handle_hall(drawn(&["S....a."]));
+    run.give(again((0, 0), (6, 0))).unwrap();
+    let id = run.until_pending();
+    run.verdict(id.0, Verdict::Danger).unwrap();
+    run.sim.handle_hall(drawn(&["S.#..a."]));
+    run.until_phase(PhaseName::Fault);
+    run.sim.handle_hall(drawn(&["S....a."]));
+    run.give(Command::Start).unwrap();
+    assert_eq!(run.state().map.at(Cell::new(5, 0)), Mark::Luggage);
+    run.until_phase(PhaseName::BombLocated);
+    assert_eq!(run.state().map.at(Cell::new(5, 0)), Mark::Luggage);
+}

@@ -91,4 +91,6 @@ bundle-readme =
 
     sha256sum SHA256SUMS
 
+    On Windows, certutil -hashfile FILE SHA256 computes the SHA-256 of one file.
+
     Whoever has the journal can also compare the report with it: hallsweep journal check --report report.html

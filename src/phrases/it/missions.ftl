@@ -91,4 +91,6 @@ bundle-readme =
 
     sha256sum SHA256SUMS
 
+    In Windows, certutil -hashfile FILE SHA256 calcola lo SHA-256 di un file.
+
     Chi ha il giornale può anche confrontare il rapporto con esso: hallsweep journal check --report report.html

@@ -1,6 +1,7 @@
 //! Carries out the acts of the transition table. Each act is a small change of world, mission and outbox. `records`
 //! handles luggage and verdicts.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::Engine;
@@ -303,9 +304,11 @@ impl Engine {
         self.set_goal(None, self.state.search.clone());
     }
 
-    /// Marks cells that were free and later blocked as free again, because somebody may have cleared the way.
+    /// Marks cells that were free and later blocked as free again, because somebody may have cleared the way. The cells
+    /// of bombs stay.
     fn retry_blocked(&mut self) {
-        for cell in self.state.blocked.clone() {
+        let bombs: BTreeSet<Cell> = self.state.luggage.bombs_left().flat_map(|bomb| self.cells_of(bomb)).collect();
+        for cell in self.state.blocked.difference(&bombs).copied().collect::<Vec<_>>() {
             self.mark(cell, Mark::Visited);
         }
         self.retry_retrieval();

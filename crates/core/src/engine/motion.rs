@@ -227,6 +227,10 @@ impl Engine {
         }
     }
 
+    pub(super) fn searches_again(&self) -> bool {
+        self.state.goal.is_some_and(|goal| self.state.again.contains(&goal.cell()))
+    }
+
     /// Returns the nearest cell that is to be searched again; `None` if no such cell can be reached.
     fn next_goal_again(&mut self) -> Option<Goal> {
         let again = &self.state.again;

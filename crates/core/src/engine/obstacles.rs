@@ -3,6 +3,7 @@
 use super::Engine;
 use crate::event::{Ahead, Obstacle};
 use crate::mission::{Input, InputContext};
+use crate::state::Phase;
 use crate::state::fact::Fact;
 use crate::units::{Cell, Heading, Piece, Pose};
 use crate::world::hall_map::{Mark, REACH};
@@ -14,7 +15,8 @@ impl Engine {
     pub(super) fn look_ahead(&mut self) {
         let seen = self.robots.searching_mut().ahead.take();
         let Some(Ahead { free, obstacle }) = seen.filter(|_| self.settings.sonar_cells > 0) else { return };
-        let free = free.min(u16::from(self.settings.sonar_cells));
+        let most = u16::from(self.settings.sonar_cells);
+        let (is_cut, free) = (free >= most, free.min(most));
         let Pose { mut cell, heading } = self.state.pose;
         for _ in 0..free {
             cell = cell.ahead(heading);
@@ -24,8 +26,10 @@ impl Engine {
             }
         }
         let cell = cell.ahead(heading);
-        let is_searched = self.state.map.at(cell).is_unvisited() || self.state.again.contains(&cell);
-        let Some(obstacle) = obstacle.filter(|_| is_searched) else { return };
+        // What a sonar reports beyond its reach is not believed against a cell that was free.
+        let is_noted = self.state.again.contains(&cell) && self.state.phase == Phase::Exploring && !is_cut;
+        let is_wanted = self.state.map.at(cell).is_unvisited() || is_noted;
+        let Some(obstacle) = obstacle.filter(|_| is_wanted) else { return };
         self.mission.has_news |= self.state.map.at(cell) == Mark::Unknown;
         let obstacle = if self.settings.inspect_everything { Obstacle::Unknown } else { obstacle };
         self.mission.route.clear();

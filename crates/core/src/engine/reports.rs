@@ -299,7 +299,7 @@ impl Engine {
     fn count(&mut self, step: Move) {
         let Some(can) = self.robots.searching().controller.capabilities else { return };
         // Cells that are searched again bring no new cell, so they say nothing about the rest of the search.
-        if matches!(self.state.phase, Phase::Exploring) && self.state.again.is_empty() {
+        if matches!(self.state.phase, Phase::Exploring) && !self.searches_again() {
             let took = can.time(step);
             self.mission.pace.count(took, self.planner.grid.census().looked_at());
         }

@@ -201,7 +201,7 @@ impl Engine {
     /// The estimate uses everything that is known, recorded or not.
     fn time_left(&self) -> Option<TimeLeft> {
         let searches = matches!(self.state.phase.underlying(), Phase::Exploring | Phase::Inspecting(_));
-        if !searches || !self.state.again.is_empty() {
+        if !searches || self.searches_again() {
             return None;
         }
         let grid = &self.planner.grid;

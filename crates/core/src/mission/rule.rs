@@ -72,7 +72,7 @@ named! {
         BackedUp = "the robot has moved back from the obstacle",
         FirstPhoto = "the piece has no record yet",
         ThisPiece = "the piece is in front of the robot",
-        SameVerdict = "the piece has this verdict already",
+        SameVerdict = "the piece has this verdict already, and the command names no other size",
         FirstJudge = "`mission.safe_by` is 2, and no other judge has said *safe*",
         FromIdle = "the interrupted phase is idle",
         RobotAtHome = "the robot is at home",

@@ -54,7 +54,7 @@ impl BombSize {
         }
     }
 
-    /// Distance in metres up to which people must not stay outdoors, but in buildings; `None` if it is not known.
+    /// Distance in metres within which people outdoors must go into a building; `None` if it is not known.
     #[must_use]
     pub const fn preferred_m(self) -> Option<u16> {
         match self {

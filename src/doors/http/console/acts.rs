@@ -128,10 +128,13 @@ impl Fields {
         })
     }
 
-    /// Returns the size of the bomb: the typed number of metres, otherwise the chosen word of the list.
+    /// Returns the size of the bomb: the chosen word of the list, or the typed number of metres.
     fn size(&self) -> Result<Option<BombSize>, Problem> {
         let typed = |field: &Option<String>| field.clone().map(|text| text.trim().to_owned()).filter(|text| !text.is_empty());
-        let size = typed(&self.radius).or_else(|| typed(&self.size));
+        let size = match (typed(&self.size), typed(&self.radius)) {
+            (Some(_), Some(_)) => return Err(Problem::unusable("choose a size or type a radius, not both".to_owned())),
+            (size, radius) => size.or(radius),
+        };
         Ok(size.as_deref().map(command::bomb_size).transpose()?)
     }
 
@@ -244,8 +247,7 @@ mod tests {
             Fields { id: Some("3".to_owned()), size, radius, ..Fields::default() }.command("danger")
         };
         assert!(sized("", "12,5").unwrap_err().detail().contains("\"12,5\" is no size"));
-        let radius = |size: &str| sized(size, "120").map(|(command, _)| command).unwrap();
-        assert_eq!(radius("car"), radius(""), "a typed radius counts");
+        assert!(sized("car", "120").unwrap_err().detail().contains("not both"));
         assert!(matches!(with(" \n".to_owned()), Ok((Command::Verdict { note: None, .. }, _))), "a blank note is none");
     }
 }

@@ -54,8 +54,8 @@ fn outline(cells: &BTreeSet<Cell>) -> String {
     firsts.map(rectangle).collect()
 }
 
-/// Returns the distances in metres from a bomb that everybody must keep, and that people outdoors must keep. A bomb
-/// without a size has the distance of the settings.
+/// Returns the distance in metres that everybody must keep from a bomb, and the one within which people outdoors must
+/// go into a building. A bomb without a size has the distance of the settings.
 pub(super) fn distances(v: &View<'_>, bomb: &Luggage) -> (f64, Option<f64>) {
     let size = bomb.verdict.as_ref().and_then(|decision| decision.hot.size);
     let mandatory = size.map_or(v.hall.evacuation_m, |size| size.mandatory_m().into());

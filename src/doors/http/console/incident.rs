@@ -90,25 +90,35 @@ impl Incident<'_> {
         from_home(self.v.language, bomb.cell, self.v.hall.cell_m)
     }
 
-    /// Returns how far people must keep away, in words: the largest distance of all bombs.
+    /// Returns the largest distance in metres that everybody must keep, and the largest one within which people outdoors
+    /// must go into a building, if it is larger.
+    fn distances(&self) -> (f64, Option<f64>) {
+        let all = self.v.snapshot.luggage.bombs_left().map(|bomb| distances(self.v, bomb));
+        let most = |most: (f64, f64), (mandatory, preferred): (f64, Option<f64>)| {
+            (most.0.max(mandatory), most.1.max(preferred.unwrap_or_default()))
+        };
+        let (mandatory, preferred) = all.fold((0.0, 0.0), most);
+        (mandatory, Some(preferred).filter(|preferred| *preferred > mandatory))
+    }
+
+    /// Returns how far people must keep away, in words.
     fn evacuation(&self) -> Phrase<'static> {
-        let all = self.v.snapshot.luggage.bombs_left().map(|bomb| distances(self.v, bomb).0);
-        let metres = self.v.language.number(&all.fold(0.0, f64::max).to_string());
+        let (mandatory, preferred) = self.distances();
+        let metres = self.v.language.number(&mandatory.to_string());
         if self.v.hall.cell_m.is_none() {
             return self.v.say("evacuate-no-circle").with("metres", metres);
         }
         if self.bombs().iter().any(|bomb| takes_in_all(self.v, bomb)) {
             return self.v.say("evacuate-all").with("metres", metres);
         }
-        let circle = if self.outdoors().is_some() { "evacuate-inner" } else { "evacuate-circle" };
-        self.v.say(circle).with("metres", metres)
+        self.v.say(if preferred.is_some() { "evacuate-inner" } else { "evacuate-circle" }).with("metres", metres)
     }
 
-    /// Returns up to which distance people must not stay outdoors, in words, if the size of a bomb is known.
+    /// Returns within which distances people outdoors must go into a building, in words.
     fn outdoors(&self) -> Option<Phrase<'static>> {
-        let preferred = self.v.snapshot.luggage.bombs_left().filter_map(|bomb| distances(self.v, bomb).1);
-        let metres = preferred.fold(None, |most: Option<f64>, metres| Some(most.map_or(metres, |most| most.max(metres))))?;
-        Some(self.v.say("evacuate-outdoors").with("metres", self.v.language.number(&metres.to_string())))
+        let (mandatory, preferred) = self.distances();
+        let [from, to] = [mandatory, preferred?].map(|metres| self.v.language.number(&metres.to_string()));
+        Some(self.v.say("evacuate-outdoors").with("from", from).with("to", to))
     }
 
     fn next(&self) -> String {
