@@ -158,18 +158,6 @@ const hall = (() => {
 
   const cellOf = (point) => ({ x: Math.floor(point.x / CELL), y: Math.floor(point.y / CELL) });
 
-  // ---- go there ----
-
-  const offer = document.createElement("form");
-  offer.id = "offer";
-  offer.method = "post";
-  offer.action = "./console/goto";
-  offer.dataset.why = "page";
-  offer.hidden = true;
-  for (const name of ["epoch", "x", "y"]) offer.append(Object.assign(document.createElement("input"), { type: "hidden", name }));
-  offer.append(Object.assign(document.createElement("button"), { className: "small" }));
-  stage.append(offer);
-
   // ---- an area to search again ----
 
   const area = document.createElementNS("http://www.w3.org/2000/svg", "path");
@@ -194,7 +182,8 @@ const hall = (() => {
 
   /** Draws the area that is typed or chosen; of a single corner its cell. */
   function outline() {
-    const number = (name) => parseInt(areaForm()?.elements[name].value, 10);
+    const form = areaForm();
+    const number = (name) => parseInt(form?.elements[name].value, 10);
     const [x, y] = [number("x"), number("y")];
     const [toX, toY] = [number("toX"), number("toY")].map((to, n) => (Number.isNaN(to) ? [x, y][n] : to));
     const [left, top, width, height] = [Math.min(x, toX), Math.min(y, toY), Math.abs(toX - x) + 1, Math.abs(toY - y) + 1].map((n) => n * CELL);
@@ -204,6 +193,18 @@ const hall = (() => {
   for (const what of ["input", "reset", "toggle"]) {
     document.addEventListener(what, ({ target }) => target.closest?.("#again") && setTimeout(outline), { capture: true });
   }
+
+  // ---- go there ----
+
+  const offer = document.createElement("form");
+  offer.id = "offer";
+  offer.method = "post";
+  offer.action = "./console/goto";
+  offer.dataset.why = "page";
+  offer.hidden = true;
+  for (const name of ["epoch", "x", "y"]) offer.append(Object.assign(document.createElement("input"), { type: "hidden", name }));
+  offer.append(Object.assign(document.createElement("button"), { className: "small" }));
+  stage.append(offer);
 
   /** A cell was pressed: it is a corner of an area, or, if it is free, the robot can be sent there. */
   function offerCell(event) {

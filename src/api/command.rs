@@ -326,27 +326,22 @@ impl AreaBody {
 impl VerdictBody {
     pub fn command(&self, luggage: LuggageRef) -> Result<Command, Unusable> {
         let note = self.note.as_deref().map(note).transpose()?.flatten();
-        let answer = |question: &str, given: &Option<String>| hot_answer(question, given.as_deref());
         let hot = Hot {
-            hidden: answer("hidden", &self.hidden)?,
-            obvious: answer("obvious", &self.obvious)?,
-            typical: answer("typical", &self.typical)?,
+            hidden: hot_answer("hidden", self.hidden.as_deref())?,
+            obvious: hot_answer("obvious", self.obvious.as_deref())?,
+            typical: hot_answer("typical", self.typical.as_deref())?,
             size: self.size.as_deref().map(bomb_size).transpose()?,
         };
         let verdict = match self.verdict.as_str() {
-            "safe" => Verdict::Safe,
-            "danger" => Verdict::Danger,
-            "unsure" if hot.size.is_none() => return Ok(Command::Unsure { luggage, note, hot }),
-            "unsure" => return Err(only_danger_has_a_size()),
+            "safe" => Some(Verdict::Safe),
+            "danger" => Some(Verdict::Danger),
+            "unsure" => None,
             other => {
                 let other = in_short(other);
                 return Err(Unusable(format!("{other:?} is no verdict: verdict is \"safe\", \"danger\" or \"unsure\"")));
             }
         };
-        if hot.size.is_some() && verdict != Verdict::Danger {
-            return Err(only_danger_has_a_size());
-        }
-        Ok(Command::Verdict { luggage, verdict, note, hot })
+        answer(luggage, verdict, note, hot)
     }
 }
 
@@ -422,8 +417,15 @@ pub fn bomb_size(text: &str) -> Result<BombSize, Unusable> {
     BombSize::read(text).ok_or_else(|| Unusable(wrong()))
 }
 
-pub fn only_danger_has_a_size() -> Unusable {
-    Unusable("size is how large a bomb may be: send it with the verdict danger only".to_owned())
+/// Returns the answer about a piece; without a verdict, the sender is unsure.
+pub fn answer(luggage: LuggageRef, verdict: Option<Verdict>, note: Option<Note>, hot: Hot) -> Result<Command, Unusable> {
+    match verdict {
+        None | Some(Verdict::Safe) if hot.size.is_some() => {
+            Err(Unusable("size is how large a bomb may be: send it with the verdict danger only".to_owned()))
+        }
+        Some(verdict) => Ok(Command::Verdict { luggage, verdict, note, hot }),
+        None => Ok(Command::Unsure { luggage, note, hot }),
+    }
 }
 
 /// Reads the answer to one of the three questions about a piece; `None` if it was not answered.

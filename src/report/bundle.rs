@@ -1,5 +1,5 @@
-//! A mission for other people, such as the police, as one ZIP file: the report, the entries, all photos, their digests,
-//! and how to check them without hallsweep. The same record gives the same bytes.
+//! A mission for other people, such as the police, as one ZIP file: the report, the entries, the photos, the digests of
+//! these files, and how to check them without hallsweep. The same record gives the same bytes.
 
 use std::io::{self, Write};
 

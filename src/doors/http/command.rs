@@ -168,7 +168,7 @@ mod tests {
             hot: Default::default(),
         };
         let closing =
-            Command::Close(Closing { name: Note::new("Anna Rossi").unwrap(), note: None, seen: "7:1,0,0,0,0,0".into() });
+            Command::Close(Closing { name: Note::new("Anna Rossi").unwrap(), note: None, seen: "7:1,0,0,0,0,0,0".into() });
         let hot = Hot { size: Some(BombSize::Radius(120)), ..Hot::NONE };
         let luggage = LuggageRef::Id(LuggageId(3));
         let sized = Command::Verdict { luggage, verdict: Verdict::Danger, note: None, hot };
@@ -187,7 +187,7 @@ mod tests {
             ("POST", "/commands/retrieve", "", Command::Retrieve(None)),
             ("POST", "/commands/retrieve", r#"{"luggage":3}"#, Command::Retrieve(Some(LuggageId(3)))),
             ("POST", "/commands/reset", "", Command::Reset),
-            ("POST", "/commands/close", r#"{"name":"Anna Rossi","openPoints":"7:1,0,0,0,0,0"}"#, closing),
+            ("POST", "/commands/close", r#"{"name":"Anna Rossi","openPoints":"7:1,0,0,0,0,0,0"}"#, closing),
             ("POST", "/commands/searchAgain", r#"{"x":3,"y":-1,"toX":1,"toY":4}"#, Command::SearchAgain(area)),
             ("POST", "/commands/move", r#"{"move":"w"}"#, Command::Move(Move::Forward)),
             ("POST", "/commands/move", r#"{"move":"h"}"#, Command::Stop),

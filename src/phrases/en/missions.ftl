@@ -78,7 +78,7 @@ bundle-readme =
     Mission { $mission }, as hallsweep has recorded it.
 
     report.html    the report: the hall, all pieces with photos and verdicts, alarms, commands, events
-    entries.jsonl  every entry of the journal, one JSON object in each line
+    entries.jsonl  every entry of this mission, one JSON object in each line
     photos         all photos, named by the piece and by the number of the photo
     SHA256SUMS     the SHA-256 of each of these files
 

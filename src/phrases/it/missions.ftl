@@ -78,7 +78,7 @@ bundle-readme =
     Missione { $mission }, come l’ha registrata hallsweep.
 
     report.html    il rapporto: la sala, tutti i bagagli con foto e verdetti, allarmi, comandi, eventi
-    entries.jsonl  ogni voce del giornale, un oggetto JSON per riga
+    entries.jsonl  ogni voce di questa missione, un oggetto JSON per riga
     photos         tutte le foto, con il numero del bagaglio e della foto
     SHA256SUMS     lo SHA-256 di ciascuno di questi file
 

@@ -116,16 +116,8 @@ impl Fields {
     /// Returns the answer about a piece; without a verdict, the sender is unsure.
     fn answer(&self, verdict: Option<Verdict>) -> Result<Command, Problem> {
         let note = self.note.as_deref().map(note).transpose()?.flatten();
-        let size = self.size()?;
-        if size.is_some() && verdict != Some(Verdict::Danger) {
-            return Err(command::only_danger_has_a_size().into());
-        }
-        let hot = Hot { size, ..hot([&self.hidden, &self.obvious, &self.typical])? };
-        let luggage = LuggageRef::Id(LuggageId(self.id()?));
-        Ok(match verdict {
-            Some(verdict) => Command::Verdict { luggage, verdict, note, hot },
-            None => Command::Unsure { luggage, note, hot },
-        })
+        let hot = Hot { size: self.size()?, ..hot([&self.hidden, &self.obvious, &self.typical])? };
+        Ok(command::answer(LuggageRef::Id(LuggageId(self.id()?)), verdict, note, hot)?)
     }
 
     /// Returns the size of the bomb: the chosen word of the list, or the typed number of metres.
@@ -204,7 +196,7 @@ mod tests {
             to_y: Some("4".to_owned()),
             name: Some("snail".to_owned()),
             status: None,
-            open: Some("1:0,0,3,0,0,0".to_owned()),
+            open: Some("1:0,0,3,0,0,0,0".to_owned()),
             size: Some(String::new()),
             radius: Some(" ".to_owned()),
             luggage: Some("3".to_owned()),

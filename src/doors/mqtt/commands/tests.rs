@@ -42,7 +42,7 @@ fn all_commands() -> Vec<(&'static str, &'static str, Command)> {
         ("retrieve", r#"{"epoch":4}"#, Command::Retrieve(None)),
         ("retrieve", r#"{"luggage":3}"#, Command::Retrieve(Some(LuggageId(3)))),
         ("reset", "", Command::Reset),
-        ("close", r#"{"name":"Anna Rossi","openPoints":"7:1,0,0,0,0,0"}"#, closing("7:1,0,0,0,0,0")),
+        ("close", r#"{"name":"Anna Rossi","openPoints":"7:1,0,0,0,0,0,0"}"#, closing("7:1,0,0,0,0,0,0")),
         ("close", r#"{"name":" Anna Rossi ","note":null}"#, closing("")),
         ("searchAgain", r#"{"x":0,"y":0,"toX":0,"toY":0}"#, Command::SearchAgain(Bounds::of(Cell::HOME))),
         ("move", r#"{"move":"w"}"#, Command::Move(Move::Forward)),
