@@ -64,6 +64,8 @@ mod old_console;
 mod openapi;
 #[path = "service/program.rs"]
 mod program;
+#[path = "service/receipts.rs"]
+mod receipts;
 #[path = "service/replica.rs"]
 mod replica;
 #[path = "service/reports.rs"]

@@ -3,7 +3,7 @@
 
 use hallsweep_core::command::LuggageRef;
 use hallsweep_fuzz::api::command::{
-    AreaBody, CloseBody, EpochBody, GotoBody, MoveBody, RetrieveBody, StrategyBody, TemperatureBody, Unusable, VerdictBody,
+    AreaBody, CloseBody, EpochBody, GotoBody, HandOverBody, MoveBody, RetrieveBody, StrategyBody, TemperatureBody, Unusable, VerdictBody,
 };
 use hallsweep_fuzz::api::fields::{Body, Unread};
 
@@ -20,6 +20,7 @@ pub(crate) fn check<N: Notation>(bytes: &[u8]) {
     read::<N, EpochBody>(bytes).map(EpochBody::epoch);
     read::<N, RetrieveBody>(bytes).map(RetrieveBody::command);
     said(read::<N, CloseBody>(bytes).map(|body| body.command()));
+    said(read::<N, HandOverBody>(bytes).map(|body| body.command()));
     said(read::<N, AreaBody>(bytes).map(AreaBody::command));
     said(read::<N, MoveBody>(bytes).map(|body| body.command()));
     said(read::<N, GotoBody>(bytes).map(GotoBody::command));

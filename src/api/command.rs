@@ -11,7 +11,7 @@ use super::fields::{Body, BodyFields, Unread, in_short, needed};
 use super::halt::is_halt;
 use super::vocabulary;
 use hallsweep_core::bomb_size::BombSize;
-use hallsweep_core::closing::Closing;
+use hallsweep_core::closing::{Closing, HandOver};
 use hallsweep_core::command::{Command, CommandId, Hot, HotAnswer, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
 use hallsweep_core::units::{Cell, Celsius, Epoch, LuggageId};
 use hallsweep_core::words::is_visible;
@@ -54,6 +54,18 @@ pub struct CloseBody {
     /// the text to send.
     #[schemars(length(max = OPEN_POINTS))]
     open_points: Option<String>,
+}
+
+/// Hand-over of the mission and its record, as `{"to":"Inspector Bianchi","note":"with the photos"}`.
+#[derive(Clone, Debug, JsonSchema)]
+#[schemars(deny_unknown_fields)]
+pub struct HandOverBody {
+    /// Name of the person or office that takes over, in one line of visible characters.
+    #[schemars(length(min = 1, max = Note::MOST), regex(pattern = NAME))]
+    to: String,
+    /// Remark, in one line of visible characters.
+    #[schemars(length(max = Note::MOST), regex(pattern = VISIBLE))]
+    note: Option<String>,
 }
 
 /// One move by hand, as `{"move":"w"}`.
@@ -232,6 +244,15 @@ impl Body for CloseBody {
     }
 }
 
+impl Body for HandOverBody {
+    const FIELDS: &'static [&'static str] = &["to", "note"];
+
+    fn taken(fields: &BodyFields) -> Result<HandOverBody, Unusable> {
+        let to = needed(fields.text("to")?, "to", "{\"to\":\"Inspector Bianchi\"}")?;
+        Ok(HandOverBody { to, note: fields.text("note")? })
+    }
+}
+
 impl Body for MoveBody {
     const FIELDS: &'static [&'static str] = &["move", "epoch"];
 
@@ -302,6 +323,12 @@ impl RetrieveBody {
 impl CloseBody {
     pub fn command(&self) -> Result<Command, Unusable> {
         close(&self.name, self.note.as_deref(), self.open_points.as_deref().unwrap_or_default())
+    }
+}
+
+impl HandOverBody {
+    pub fn command(&self) -> Result<Command, Unusable> {
+        hand_over(&self.to, self.note.as_deref())
     }
 }
 
@@ -408,6 +435,12 @@ pub fn close(name: &str, note_of: Option<&str>, open: &str) -> Result<Command, U
         return Err(Unusable(format!("openPoints has {length} characters: send the text of the refusal openPoints")));
     }
     Ok(Command::Close(Closing { name, note: note_of.map(note).transpose()?.flatten(), seen: open.into() }))
+}
+
+/// Reads to whom the mission is handed over.
+pub fn hand_over(to: &str, note_of: Option<&str>) -> Result<Command, Unusable> {
+    let to = note(to)?.ok_or_else(|| Unusable("`to` is empty: write who takes the mission over".to_owned()))?;
+    Ok(Command::HandOver(HandOver { to, note: note_of.map(note).transpose()?.flatten() }))
 }
 
 pub fn bomb_size(text: &str) -> Result<BombSize, Unusable> {

@@ -3,7 +3,7 @@
 //! effect in the core. The fields of each command are in `command`; each door reads payloads in its own way.
 
 use super::command::{
-    AreaBody, CloseBody, EpochBody, GotoBody, MoveBody, RetrieveBody, StrategyBody, TemperatureBody, VerdictBody,
+    AreaBody, CloseBody, EpochBody, GotoBody, HandOverBody, MoveBody, RetrieveBody, StrategyBody, TemperatureBody, VerdictBody,
 };
 use super::fields::{Body, Unusable};
 use crate::access::Need;
@@ -19,6 +19,7 @@ pub enum CommandKind {
     Retrieve,
     Reset,
     Close,
+    HandOver,
     SearchAgain,
     Move,
     Goto,
@@ -48,6 +49,7 @@ pub enum Takes {
     /// The body has at most an epoch and the number of a piece, and may be missing.
     Retrieve,
     Close,
+    HandOver,
     Area,
     Move,
     Goto,
@@ -87,7 +89,7 @@ const EPOCH: &[&str] = &[r#"{"epoch":4}"#];
 
 /// The doors and `docs/` list the commands in this order.
 #[rustfmt::skip]
-pub const COMMANDS: [CommandRow; 15] = [
+pub const COMMANDS: [CommandRow; 16] = [
     word("start", "/commands/start", "begin or resume the mission", CommandKind::Start, EPOCH),
     CommandRow { need: Need::Stop, takes: Takes::Nothing, ..word("stop", "/commands/stop", "halt the robot", CommandKind::Stop, &[]) },
     word("backHome", "/commands/backHome", "go home and wait", CommandKind::BackHome, EPOCH),
@@ -97,6 +99,8 @@ pub const COMMANDS: [CommandRow; 15] = [
     word("reset", "/commands/reset", "end the mission", CommandKind::Reset, &[]),
     CommandRow { takes: Takes::Close, ..word("close", "/commands/close", "state that the search is over", CommandKind::Close,
         &[r#"{"name":"Anna Rossi","openPoints":"7:0,1,21,0,0,111,0"}"#]) },
+    CommandRow { takes: Takes::HandOver, ..word("handOver", "/commands/handOver", "hand the mission over", CommandKind::HandOver,
+        &[r#"{"to":"Inspector Bianchi","note":"with the photos"}"#]) },
     CommandRow { takes: Takes::Area, ..word("searchAgain", "/commands/searchAgain", "search an area again", CommandKind::SearchAgain,
         &[r#"{"x":1,"y":1,"toX":4,"toY":3}"#]) },
     CommandRow { need: Need::Stop, takes: Takes::Move, ..word("move", "/commands/move", "move once by hand", CommandKind::Move,
@@ -151,6 +155,7 @@ pub fn asked<P: Payload>(kind: CommandKind, number: u64, payload: &P) -> Result<
         CommandKind::Retrieve => Ok(payload.optional::<RetrieveBody>()?.command()),
         CommandKind::Reset => with_epoch(Command::Reset),
         CommandKind::Close => Ok((payload.needed::<CloseBody>()?.command()?, None)),
+        CommandKind::HandOver => Ok((payload.needed::<HandOverBody>()?.command()?, None)),
         CommandKind::SearchAgain => Ok(payload.needed::<AreaBody>()?.command()?),
         CommandKind::Move => Ok(payload.needed::<MoveBody>()?.command()?),
         CommandKind::Goto => Ok(payload.needed::<GotoBody>()?.command()?),

@@ -27,6 +27,7 @@ pub mod mission_record;
 pub mod old_clients;
 pub mod old_items;
 pub mod problem;
+pub mod receipt;
 pub mod replay;
 pub mod resources;
 pub mod result;

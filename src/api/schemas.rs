@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 
 use super::alarm::AlarmJson;
 use super::command::{
-    AreaBody, CloseBody, EpochBody, GotoBody, MoveBody, RetrieveBody, StrategyBody, TemperatureBody, VerdictBody,
+    AreaBody, CloseBody, EpochBody, GotoBody, HandOverBody, MoveBody, RetrieveBody, StrategyBody, TemperatureBody, VerdictBody,
 };
 use super::commands::Takes;
 use super::log::LogLineJson;
@@ -71,6 +71,7 @@ impl Schemas {
             Takes::Epoch => self.taken::<EpochBody>(),
             Takes::Retrieve => self.taken::<RetrieveBody>(),
             Takes::Close => self.taken::<CloseBody>(),
+            Takes::HandOver => self.taken::<HandOverBody>(),
             Takes::Area => self.taken::<AreaBody>(),
             Takes::Move => self.taken::<MoveBody>(),
             Takes::Goto => self.taken::<GotoBody>(),
@@ -146,6 +147,7 @@ mod tests {
         check::<MoveBody>();
         check::<GotoBody>();
         check::<AreaBody>();
+        check::<HandOverBody>();
         check::<VerdictBody>();
         check::<StrategyBody>();
         check::<TemperatureBody>();

@@ -9,6 +9,7 @@ use clap::{Args, Subcommand};
 use super::{Failure, Folder};
 use crate::api::journal::{self, Line};
 use crate::api::journal_words;
+use crate::api::receipt::{Receipt, ReceiptJson};
 use crate::api::time::midnight;
 use crate::runtime::archive::Unreadable;
 use crate::runtime::clock::Clock;
@@ -38,6 +39,9 @@ enum What {
         /// Also compare this archive with the journal; may be given several times.
         #[arg(long, value_name = "FILE")]
         archive: Vec<PathBuf>,
+        /// Also confirm the receipt for a hand-over by its code, such as 2-1041-9f86d081884c7d65.
+        #[arg(long, value_name = "CODE")]
+        receipt: Option<String>,
     },
     /// Move old missions to an archive, and check the archive. Old missions are those that were put away (by RESET or
     /// the next START) before a given day. No hallsweep may be using the data folder.
@@ -93,11 +97,12 @@ pub fn run(asked: &Journal) -> Result<(), Failure> {
             list(&reading, which, write, |seq, why| format!("{seq:>8}    - {why}"))
         }
         What::Export(which) => list(&reading, which, journal::line, journal::unreadable),
-        What::Check { report, archive } => {
+        What::Check { report, archive, receipt } => {
             tell(&reading.check()?)?;
             if !archive.is_empty() {
                 hold_together(&reading, &archive)?;
             }
+            receipt.map_or(Ok(()), |code| confirm_receipt(&reading, &code))?;
             report.map_or(Ok(()), |report| super::report::confirm(&reading, &report))
         }
         What::Rebuild | What::Archive { .. } | What::Unpack { .. } => Ok(()),
@@ -171,6 +176,33 @@ fn hold_together(reading: &ReadOnlyJournal, archives: &[PathBuf]) -> Result<(), 
         return super::print(&format!("{looked_at}: all is well"));
     }
     Err(Failure::Run(format!("{looked_at}; faults found: {}", faults.len())))
+}
+
+fn confirm_receipt(journal: &ReadOnlyJournal, code: &str) -> Result<(), Failure> {
+    let refused = |why: String| Failure::Run(format!("the receipt {code} is not confirmed: {why}"));
+    let (mission, seq) = Receipt::named(code).ok_or_else(|| {
+        Failure::Usage("a receipt has a code such as 2-1041-9f86d081884c7d65: mission, entry and 16 digits".to_owned())
+    })?;
+    let receipts = Receipt::all(&*journal.archive(), mission, Seq(seq.0.saturating_sub(1)), 1)?;
+    let Some(receipt) = receipts.into_iter().find(|receipt| receipt.seq == seq) else {
+        return Err(refused(match journal.archive_with(mission)? {
+            Some((file, digest)) => format!(
+                "mission {mission} is in the archive {file} (SHA-256 {digest}) and no longer in the journal; `hallsweep journal \
+                 check --data FILE --receipt {code}`, with the path of the archive as FILE, checks it there"
+            ),
+            None => format!("entry {seq} is no hand-over of mission {mission}; this may be the wrong journal"),
+        }));
+    };
+    if !receipt.code.as_ref().is_some_and(|own| own.eq_ignore_ascii_case(code)) {
+        let why = "the digest differs, so this is another journal, or it was changed after the hand-over";
+        return Err(refused(format!("entry {seq} is a hand-over, but {why}")));
+    }
+    let ReceiptJson { time, by, to, note, .. } = receipt.into();
+    let note = note.map(|note| format!(" (note: {note})")).unwrap_or_default();
+    super::print(&format!(
+        "the receipt {code} is confirmed: at {time} mission {mission} was handed over to {to}, by {by}{note}; the journal up to \
+         entry {seq} is as it was then"
+    ))
 }
 
 fn tell(findings: &Findings) -> Result<(), Failure> {

@@ -159,6 +159,9 @@ pub trait Archive: Send + Sync {
     /// temperatures, luggage, verdicts, alarms, commands, stages of a retrieval, and the program's starts and ends.
     fn timeline(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable>;
 
+    /// At most `most` entries that say to whom a mission was handed over, oldest first.
+    fn hand_overs(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable>;
+
     /// The last entry before the entries that were declared lost and that the next start will delete. `None` if there
     /// are no such entries. Only a store on disk can have such entries.
     fn lost_after(&self) -> Result<Option<Seq>, Unreadable> {

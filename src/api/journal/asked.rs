@@ -10,7 +10,7 @@ use super::names::{self, Step};
 use super::places::{AreaShape, Point};
 use super::{Unparsed, earlier};
 use hallsweep_core::asked::Asked;
-use hallsweep_core::closing::Closing;
+use hallsweep_core::closing::{Closing, HandOver};
 use hallsweep_core::command::{Carries, Command, Hot, LuggageRef, Note, TemperatureReport};
 use hallsweep_core::simulated::{Change, Simulated};
 use hallsweep_core::speed::Speed;
@@ -77,6 +77,9 @@ fn of_command(command: &Command) -> Coded {
             let note = note.as_ref().map(Note::text);
             Coded::new(code, json!({ "name": name.text(), "note": note, "openPoints": &**seen }))
         }
+        Carries::HandOver(HandOver { to, note }) => {
+            Coded::new(code, json!({ "to": to.text(), "note": note.as_ref().map(Note::text) }))
+        }
         Carries::Area(area) => Coded::new(code, json!({ "area": AreaShape::from(area) })),
         Carries::Unsure(luggage, note, hot) => Coded::new(code, answer(luggage, note, hot)),
         Carries::Strategy(strategy) => Coded::new(code, json!({ "strategy": strategy.name() })),
@@ -132,9 +135,12 @@ fn command(coded: &Coded) -> Result<Command, Unparsed> {
         },
         "unsure" => Command::Unsure { luggage: luggage()?, note: names::note(coded.field("note")?)?, hot: hot()? },
         "close" => {
-            let name = names::note(coded.field("name")?)?.ok_or_else(|| Unparsed("there is no name".to_owned()))?;
+            let name = names::name(coded.field("name")?)?;
             let (note, seen) = (names::note(coded.field("note")?)?, coded.field::<String>("openPoints")?.into());
             Command::Close(Closing { name, note, seen })
+        }
+        "handOver" => {
+            Command::HandOver(HandOver { to: names::name(coded.field("to")?)?, note: names::note(coded.field("note")?)? })
         }
         "searchAgain" => Command::SearchAgain(coded.field::<AreaShape>("area")?.into()),
         "retake" => Command::RetakePhoto(LuggageId(coded.field("luggage")?)),

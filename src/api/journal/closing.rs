@@ -48,8 +48,7 @@ impl From<&Closed> for ClosedShape {
 
 impl ClosedShape {
     pub(super) fn closed(self) -> Result<Closed, Unparsed> {
-        let name = names::note(Some(self.name))?.ok_or_else(|| Unparsed("there is no name".to_owned()))?;
-        let (note, open) = (names::note(self.note)?, self.open.into());
+        let (name, note, open) = (names::name(self.name)?, names::note(self.note)?, self.open.into());
         Ok(Closed { who: self.who.into(), name, note, open, wall: self.when.into() })
     }
 }

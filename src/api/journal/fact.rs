@@ -14,6 +14,7 @@ use super::places::{AreaShape, GoalShape, PoseShape};
 use super::retrieval::RetrievalShape;
 use super::standing::StandingShape;
 use super::{Picture, Unparsed, map, names, places, refused, retrieval};
+use hallsweep_core::closing::HandOver;
 use hallsweep_core::command::Issuer;
 use hallsweep_core::state::fact::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId, Piece, Seq};
@@ -139,6 +140,13 @@ pub(super) enum Shape {
     Judged(JudgementShape),
     /// The person in charge has closed the mission.
     Closed(ClosedShape),
+    /// The sender has handed over the mission and its record.
+    HandedOver {
+        who: String,
+        to: String,
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        note: Option<String>,
+    },
     /// The searched cells of this area are to be searched again.
     SearchAgain(AreaShape),
     Temperature {
@@ -209,6 +217,7 @@ pub const fn kind(fact: &Fact) -> &'static str {
         Fact::Unsure { .. } => "unsure",
         Fact::Judged(_) => "judged",
         Fact::Closed(_) => "closed",
+        Fact::HandedOver { .. } => "handedOver",
         Fact::SearchAgain(_) => "searchAgain",
         Fact::Temperature(..) => "temperature",
         Fact::ThermometerSilent(_) => "thermometerSilent",
@@ -281,6 +290,11 @@ impl Shape {
                 hot: (*hot).into(),
             },
             Fact::Closed(closed) => Shape::Closed((&**closed).into()),
+            Fact::HandedOver { who, over: HandOver { to, note } } => Shape::HandedOver {
+                who: who.to_string(),
+                to: to.text().to_owned(),
+                note: note.as_ref().map(|note| note.text().to_owned()),
+            },
             Fact::SearchAgain(area) => Shape::SearchAgain((*area).into()),
             Fact::Temperature(source, celsius) => Shape::Temperature { source: source.to_string(), celsius: celsius.degrees() },
             Fact::ThermometerSilent(source) => Shape::ThermometerSilent { source: source.to_string() },
@@ -346,6 +360,9 @@ impl Shape {
                 hot: hot.hot()?,
             },
             Shape::Closed(closed) => Fact::Closed(Box::new(closed.closed()?)),
+            Shape::HandedOver { who, to, note } => {
+                Fact::HandedOver { who: who.into(), over: HandOver { to: names::name(to)?, note: names::note(note)? } }
+            }
             Shape::SearchAgain(area) => Fact::SearchAgain(area.into()),
             Shape::Temperature { source, celsius } => Fact::Temperature(source.into(), names::celsius(celsius)?),
             Shape::ThermometerSilent { source } => Fact::ThermometerSilent(source.into()),

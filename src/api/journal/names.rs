@@ -55,6 +55,11 @@ pub(super) fn note(text: Option<String>) -> Result<Option<Note>, Unparsed> {
     text.map(sound).transpose()
 }
 
+/// Reads the name of a person or office.
+pub(super) fn name(text: String) -> Result<Note, Unparsed> {
+    note(Some(text))?.ok_or_else(|| Unparsed("there is no name".to_owned()))
+}
+
 pub(super) fn command_id(id: Option<String>) -> Result<Option<CommandId>, Unparsed> {
     let sound = |id: String| CommandId::new(&id).ok_or_else(|| Unparsed("the id of the command is not valid".to_owned()));
     id.map(sound).transpose()

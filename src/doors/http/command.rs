@@ -137,7 +137,7 @@ mod tests {
     use super::*;
     use crate::api::tests::fixture::searching;
     use hallsweep_core::bomb_size::BombSize;
-    use hallsweep_core::closing::Closing;
+    use hallsweep_core::closing::{Closing, HandOver};
     use hallsweep_core::command::{Hot, HotAnswer, LuggageRef, Move, Note, TemperatureReport, Verdict};
     use hallsweep_core::refused::Refused;
     use hallsweep_core::units::{AlarmId, Cell, LuggageId};
@@ -172,6 +172,7 @@ mod tests {
         let hot = Hot { size: Some(BombSize::Radius(120)), ..Hot::NONE };
         let luggage = LuggageRef::Id(LuggageId(3));
         let sized = Command::Verdict { luggage, verdict: Verdict::Danger, note: None, hot };
+        let over = HandOver { to: Note::new("Inspector Bianchi").unwrap(), note: Note::new("with the photos") };
         let area = Bounds { least: Cell::new(1, -1), most: Cell::new(3, 4) };
         let unsure = Command::Unsure {
             luggage: LuggageRef::Id(LuggageId(3)),
@@ -188,6 +189,7 @@ mod tests {
             ("POST", "/commands/retrieve", r#"{"luggage":3}"#, Command::Retrieve(Some(LuggageId(3)))),
             ("POST", "/commands/reset", "", Command::Reset),
             ("POST", "/commands/close", r#"{"name":"Anna Rossi","openPoints":"7:1,0,0,0,0,0,0"}"#, closing),
+            ("POST", "/commands/handOver", r#"{"to":" Inspector Bianchi","note":"with the photos"}"#, Command::HandOver(over)),
             ("POST", "/commands/searchAgain", r#"{"x":3,"y":-1,"toX":1,"toY":4}"#, Command::SearchAgain(area)),
             ("POST", "/commands/move", r#"{"move":"w"}"#, Command::Move(Move::Forward)),
             ("POST", "/commands/move", r#"{"move":"h"}"#, Command::Stop),
@@ -259,6 +261,10 @@ mod tests {
             ("POST", "/commands/close", r#"{"name":"a\u202eb"}"#, 422),
             ("POST", "/commands/close", r#"{"name":"Anna","openPoints":1}"#, 422),
             ("POST", "/commands/close", &long, 422),
+            ("POST", "/commands/handOver", "", 400),
+            ("POST", "/commands/handOver", r#"{"note":"x"}"#, 422),
+            ("POST", "/commands/handOver", r#"{"to":"\u2028"}"#, 422),
+            ("POST", "/commands/handOver", r#"{"to":"police","epoch":1}"#, 422),
             ("POST", "/commands/goto", r#"{"x":1.5,"y":1}"#, 422),
             ("POST", "/commands/goto", r#"{"x":8193,"y":1}"#, 422),
             ("POST", "/commands/goto", r#"{"x":99999999999999999999,"y":1}"#, 422),

@@ -16,6 +16,7 @@ use crate::api::map_text;
 use crate::api::mission_record::{
     Links, MissionListJson, MissionRecordJson, MissionWholeJson, MomentJson, events as events_json,
 };
+use crate::api::receipt::{Receipt, ReceiptListJson};
 use crate::api::retrieval_record::RetrievalRecordJson;
 use crate::api::time::rfc3339;
 use crate::runtime::archive::{Archive, At, Happened, MissionRecord, PastMoment, Sound, Span, Unreadable};
@@ -30,6 +31,9 @@ pub(super) const MOST_MISSIONS: u64 = 100;
 
 /// Default and maximum number of events in one answer. This makes some 100 KiB of JSON.
 pub(super) const EVENTS: u64 = 1000;
+
+/// Default and maximum number of receipts in one answer.
+pub(super) const RECEIPTS: u64 = 100;
 
 /// Maximum number of entries read for a retrieval. A real retrieval has far fewer.
 const RETRIEVAL: usize = 1000;
@@ -168,6 +172,40 @@ fn retrieval_of(mut entries: Vec<Happened>) -> Option<RetrievalRecordJson> {
     entries.truncate(RETRIEVAL);
     let entries: Vec<Entry> = entries.into_iter().filter_map(|(_, entry)| entry.ok()).collect();
     RetrievalRecordJson::new(&entries, complete)
+}
+
+/// `GET missions/{id}/receipts`: the receipts for hand-overs of a mission, oldest first.
+pub(super) async fn receipts(
+    State(door): State<HttpDoor>,
+    Number(id): Number,
+    query: Query,
+    headers: HeaderMap,
+) -> Result<Response, Problem> {
+    query.only(&["after", "limit"])?;
+    let limit = query.count("limit", 1..=RECEIPTS)?.unwrap_or(RECEIPTS);
+    let (receipts, next) = handed_over(&door, id, after(&query)?, limit).await?;
+    let next = next.map(|after| format!("{}/receipts?after={after}&limit={limit}", Links::of(MissionId(id)).itself));
+    let receipts = receipts.into_iter().map(Into::into).collect();
+    Ok(by_content(&headers, JSON, json(&ReceiptListJson { mission: id, receipts, next })))
+}
+
+/// Returns the receipts of a mission after the entry `after`. Also returns the value of `after` for the next page.
+pub(super) async fn handed_over(
+    door: &HttpDoor,
+    id: u64,
+    after: Seq,
+    limit: u64,
+) -> Result<(Vec<Receipt>, Option<Seq>), Problem> {
+    let (mission, limit) = (MissionId(id), count(limit));
+    let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
+        Some(_) => Receipt::all(archive, mission, after, limit + 1).map(Some),
+        None => Ok(None),
+    });
+    let mut receipts = found.await?.ok_or_else(|| unknown(id))?;
+    let more = receipts.len() > limit;
+    receipts.truncate(limit);
+    let next = receipts.last().map(|receipt| receipt.seq).filter(|_| more);
+    Ok((receipts, next))
 }
 
 pub(super) fn before(query: &Query) -> Result<Option<MissionId>, Problem> {
@@ -402,6 +440,8 @@ mod tests {
             ("/missions/9", 404, "there is no mission 9"),
             ("/missions/9/events", 404, "there is no mission 9"),
             ("/missions/9/map", 404, "there is no mission 9"),
+            ("/missions/9/receipts", 404, "there is no mission 9"),
+            ("/missions/1/receipts?limit=101", 422, "from 1 to 100"),
             ("/missions/x", 404, "the path needs a number"),
             ("/missions/99", 503, "the disk is on strike"),
             ("/missions?before=0", 422, "`before` is \"0\": send a whole number from 1"),

@@ -123,6 +123,7 @@ fn changes_and_past() -> Vec<RouteRow> {
         get("/api/v1/missions/{id}/timeline", See, missions::timeline),
         get("/api/v1/missions/{id}/map", See, missions::map),
         get("/api/v1/missions/{id}/retrieval", See, missions::retrieval),
+        get("/api/v1/missions/{id}/receipts", See, missions::receipts),
     ]
 }
 
@@ -187,6 +188,7 @@ fn page() -> Vec<RouteRow> {
         get("/missions/{id}/record.csv", See, reports::table),
         get("/missions/{id}/moment", See, console::moments::page),
         get("/missions/{id}/retrieval", See, console::replay::page),
+        get("/missions/{id}/receipts", See, console::missions::receipts),
         get("/luggage/{id}", See, console::photo::page),
         get("/console/live", See, console::live),
         get("/console/bar", See, console::bar),
@@ -194,6 +196,7 @@ fn page() -> Vec<RouteRow> {
         get("/console/confirm/danger/{id}", Act, console::confirm_danger),
         get("/console/confirm/reset", Act, console::confirm_reset),
         get("/console/confirm/close", Act, console::confirm_close),
+        get("/console/confirm/handOver", Act, console::confirm_hand_over),
     ]
 }
 

@@ -141,6 +141,7 @@ impl CountedFact {
             | Fact::Judged(_)
             | Fact::Unsure { .. }
             | Fact::Closed(_)
+            | Fact::HandedOver { .. }
             | Fact::SearchAgain(_)
             | Fact::Holds(_)
             | Fact::Epoch(_)
@@ -188,7 +189,7 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use hallsweep_core::closing::Closing;
+    use hallsweep_core::closing::{Closing, HandOver};
     use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Note, Strategy, TemperatureReport};
     use hallsweep_core::engine::Engine;
     use hallsweep_core::event::Photo;
@@ -322,7 +323,7 @@ mod tests {
         assert_eq!((figures.value("luggage_total"), figures.value("photos_total")), (3.0, 3.0));
     }
 
-    fn commands() -> [Command; 16] {
+    fn commands() -> [Command; 17] {
         [
             Command::Start,
             Command::Stop,
@@ -331,6 +332,7 @@ mod tests {
             Command::Retrieve(None),
             Command::Reset,
             Command::Close(Closing { name: Note::new("Anna").expect("a sound name"), note: None, seen: "".into() }),
+            Command::HandOver(HandOver { to: Note::new("police").expect("a sound name"), note: None }),
             Command::SearchAgain(Bounds::of(Cell::HOME)),
             Command::Move(Move::Forward),
             Command::Goto(Cell::HOME),
@@ -352,7 +354,7 @@ mod tests {
             let times = |outcome: &str| figures.value(&format!("commands_total{{command=\"{name}\",outcome=\"{outcome}\"}}"));
             assert_eq!((times("accepted"), times("refused")), (1.0, 2.0), "{name}");
         }
-        assert_eq!(figures.value("refusals_total{code=\"held\"}"), 32.0);
+        assert_eq!(figures.value("refusals_total{code=\"held\"}"), 34.0);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use crate::runtime::archive::{Archive, At, Happened, Head, MissionRecord, NoTake, PastMoment, Sound, Span, Unreadable};
 use hallsweep_core::event::Photo;
 use hallsweep_core::state::PersistentState;
+use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{LuggageId, MissionId, Seq};
 use hallsweep_core::world::luggage::Luggage;
 
@@ -107,6 +108,12 @@ impl<A: PartialArchive> Archive for A {
 
     fn head(&self, _: MissionId, until: Seq) -> Result<Option<Head>, Unreadable> {
         Ok(PartialArchive::head(self, until))
+    }
+
+    fn hand_overs(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable> {
+        let all = Archive::entries(self, mission, span, usize::MAX)?.into_iter();
+        let handed_over = |entry: &Entry| matches!(entry.fact, Fact::HandedOver { .. });
+        Ok(all.filter(|(_, entry)| entry.as_ref().is_ok_and(handed_over)).take(most).collect())
     }
 
     fn lost_after(&self) -> Result<Option<Seq>, Unreadable> {

@@ -224,6 +224,11 @@ impl Archive for SqliteArchive {
         self.ask(|connection| self.happened(connection, EntryFilter { kinds: Kinds::Timeline, ..which }))
     }
 
+    fn hand_overs(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable> {
+        let Some(which) = EntryFilter::of(mission, span, most) else { return Ok(Vec::new()) };
+        self.ask(|connection| self.happened(connection, EntryFilter { kinds: Kinds::HandOvers, ..which }))
+    }
+
     fn lost_after(&self) -> Result<Option<Seq>, Unreadable> {
         match self {
             SqliteArchive::Folder { folder, .. } if !folder.is_archive() => {

@@ -63,6 +63,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
         | Fact::Obstacle(..)
         | Fact::Mark(..)
         | Fact::Closed(_)
+        | Fact::HandedOver { .. }
         | Fact::SearchAgain(_)
         | Fact::Temperature(..)
         | Fact::ThermometerSilent(_)

@@ -45,6 +45,7 @@ pub(super) enum Kinds {
     /// Entries for the log that the console shows after a start, or for a past moment.
     Told,
     OfArchives,
+    HandOvers,
     Temperatures,
     /// Entries that tell the path of the robot: its positions, and where a new path begins.
     Way,
@@ -70,6 +71,7 @@ impl Kinds {
                  'alarmAcknowledged', 'programEnded', 'clockSet')",
             ),
             Kinds::OfArchives => Some("kind IN ('writtenOut', 'unpacked')"),
+            Kinds::HandOvers => Some("kind = 'handedOver'"),
             Kinds::Temperatures => Some("kind IN ('temperature', 'thermometerSilent', 'programStarted', 'clockSet')"),
             Kinds::Way => Some("kind IN ('pose', 'programStarted', 'missionBegan', 'mapEmptied', 'strategy')"),
         }

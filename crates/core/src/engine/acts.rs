@@ -57,6 +57,7 @@ impl Engine {
             Act::ChooseStrategy => self.choose_strategy(context),
             Act::Archive => self.archive(),
             Act::Close => self.close_mission(context),
+            Act::HandOver => self.hand_over(context),
             Act::SearchAgain => self.search_again(context),
             Act::RetryBlocked => self.retry_blocked(),
             Act::BeginRetrieval => self.begin_retrieval(context.luggage),
@@ -295,6 +296,12 @@ impl Engine {
         let open = self.open_points(&self.state.map, &self.state.luggage, self.state.again.len());
         self.world.touch(Resource::Mission);
         self.record(Fact::Closed(Box::new(Closed { who, name, note, open, wall: self.now.wall })));
+    }
+
+    /// Records to whom the mission is handed over. The digest of this entry is the code of the receipt.
+    fn hand_over(&mut self, context: &InputContext) {
+        let (Some(over), Some(issuer)) = (&context.over, &context.issuer) else { return };
+        self.record(Fact::HandedOver { who: Arc::clone(&issuer.who), over: over.clone() });
     }
 
     /// Notes the searched cells of an area, and makes the robot choose its next goal among them.

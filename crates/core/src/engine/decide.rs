@@ -69,6 +69,7 @@ impl Engine {
         let forbids = |yes: bool, refused: Refused| yes.then_some(refused);
         match guard {
             Guard::Held => self.held(self.state.holds.standing_against_start()),
+            Guard::NoMission => forbids(!self.state.under_way, Refused::NotInPhase(phase.name())),
             Guard::NotInPhase => Some(Refused::NotInPhase(phase.name())),
             Guard::VerdictAwaited => self.verdict_awaited(phase, input).map(Refused::VerdictPending),
             Guard::VerdictPending => self.first_pending(false).map(Refused::VerdictPending),

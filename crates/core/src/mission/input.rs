@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use crate::closing::Closing;
+use crate::closing::{Closing, HandOver};
 use crate::command::{Command, CommandId, Hot, Issuer, LuggageRef, Move, Note, OPERATOR, Strategy, TemperatureReport, Verdict};
 use crate::event::{Obstacle, Photo};
 use crate::hold::HoldReason;
@@ -29,6 +29,7 @@ named! {
         Retrieve = "RETRIEVE",
         Reset = "RESET",
         Close = "close",
+        HandOver = "hand over",
         SearchAgain = "search again",
         Move = "move",
         Goto = "goto",
@@ -65,7 +66,7 @@ named! {
 
 impl Input {
     /// The inputs that are commands, in the order of mission §4.
-    pub(crate) const COMMANDS: [Input; 20] = *Input::ALL.first_chunk().expect("they are listed first");
+    pub(crate) const COMMANDS: [Input; 21] = *Input::ALL.first_chunk().expect("they are listed first");
 
     /// The inputs that are events, in the order in which they occur in a mission.
     pub(crate) const EVENTS: [Input; 25] = *Input::ALL.last_chunk().expect("they are listed last");
@@ -87,6 +88,7 @@ pub(crate) struct InputContext {
     pub(crate) note: Option<Note>,
     pub(crate) hot: Hot,
     pub(crate) closing: Option<Closing>,
+    pub(crate) over: Option<HandOver>,
     pub(crate) step: Option<Move>,
     pub(crate) cell: Option<Cell>,
     pub(crate) area: Option<Bounds>,
@@ -115,6 +117,7 @@ impl InputContext {
             Command::Retrieve(luggage) => (Input::Retrieve, InputContext { luggage: *luggage, ..context }),
             Command::Reset => (Input::Reset, context),
             Command::Close(closing) => (Input::Close, InputContext { closing: Some(closing.clone()), ..context }),
+            Command::HandOver(over) => (Input::HandOver, InputContext { over: Some(over.clone()), ..context }),
             Command::SearchAgain(area) => (Input::SearchAgain, InputContext { area: Some(*area), ..context }),
             Command::Move(step) => (Input::Move, InputContext { step: Some(*step), ..context }),
             Command::Goto(cell) => (Input::Goto, InputContext { cell: Some(*cell), ..context }),

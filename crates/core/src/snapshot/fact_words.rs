@@ -4,7 +4,7 @@
 use std::fmt::Display;
 
 use crate::asked::Asked;
-use crate::closing::Closed;
+use crate::closing::{Closed, HandOver};
 use crate::command::{Command, Hot, Verdict};
 use crate::hold::Hold;
 use crate::refused::Refused;
@@ -89,6 +89,10 @@ fn said(fact: &Fact) -> String {
             let Closed { who, name, note, open, .. } = &**closed;
             let note = note.as_ref().map(|note| format!(" (note: {note})")).unwrap_or_default();
             format!("mission closed by {name}, key {who}{note}; open points: {open}")
+        }
+        Fact::HandedOver { who, over: HandOver { to, note } } => {
+            let note = note.as_ref().map(|note| format!(" (note: {note})")).unwrap_or_default();
+            format!("handed over to {to}, by {who}{note}")
         }
         Fact::Temperature(source, celsius) => format!("temperature {celsius}, by {source}"),
         Fact::ThermometerSilent(source) => format!("the thermometer of {source} fell silent"),

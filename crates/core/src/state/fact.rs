@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::{Conditions, PersistentState, Phase, Retrieval};
 use crate::asked::Asked;
-use crate::closing::Closed;
+use crate::closing::{Closed, HandOver};
 use crate::command::{CommandId, Hot, Issuer, Note, Strategy, Verdict};
 use crate::event::Photo;
 use crate::hold::Hold;
@@ -91,6 +91,11 @@ pub enum Fact {
     Judged(Box<Judgement>),
     /// The person in charge has closed the mission.
     Closed(Box<Closed>),
+    /// The sender has handed over the mission and its record.
+    HandedOver {
+        who: Arc<str>,
+        over: HandOver,
+    },
     /// The robot has to visit the searched cells of this area once more.
     SearchAgain(Bounds),
     Temperature(Arc<str>, Celsius),

@@ -133,6 +133,7 @@ impl PersistentState {
             | Fact::ProgramEnded(_)
             | Fact::Command { .. }
             | Fact::Obstacle(..)
+            | Fact::HandedOver { .. }
             | Fact::WrittenOut(_)
             | Fact::Unpacked(_) => {}
             Fact::ClockSet(by) => self.set_clock(*by),

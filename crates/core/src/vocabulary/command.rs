@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use crate::bomb_size::BombSize;
-use crate::closing::Closing;
+use crate::closing::{Closing, HandOver};
 use crate::units::{AlarmId, Bounds, Cell, Celsius, Epoch, LuggageId};
 use crate::words::is_visible;
 
@@ -76,6 +76,8 @@ pub enum Command {
     Reset,
     /// The person in charge states that the search is over.
     Close(Closing),
+    /// The sender hands the mission and its record over to somebody else.
+    HandOver(HandOver),
     /// Visit all searched cells of this area once more.
     SearchAgain(Bounds),
     Move(Move),
@@ -109,6 +111,7 @@ pub enum Carries<'a> {
     Verdict(LuggageRef, Verdict, Option<&'a Note>, Hot),
     Unsure(LuggageRef, Option<&'a Note>, Hot),
     Closing(&'a Closing),
+    HandOver(&'a HandOver),
     Area(Bounds),
     Strategy(Strategy),
     Temperature(&'a TemperatureReport),
@@ -116,7 +119,7 @@ pub enum Carries<'a> {
 
 impl Command {
     /// The codes of all commands. The journal stores these codes, so a code never changes.
-    pub const CODES: [&str; 16] = [
+    pub const CODES: [&str; 17] = [
         "start",
         "stop",
         "backHome",
@@ -124,6 +127,7 @@ impl Command {
         "retrieve",
         "reset",
         "close",
+        "handOver",
         "searchAgain",
         "move",
         "goto",
@@ -147,6 +151,7 @@ impl Command {
             Command::Retrieve(_) => "retrieve",
             Command::Reset => "reset",
             Command::Close(_) => "close",
+            Command::HandOver(_) => "handOver",
             Command::SearchAgain(_) => "searchAgain",
             Command::Move(_) => "move",
             Command::Goto(_) => "goto",
@@ -167,6 +172,7 @@ impl Command {
             }
             Command::Retrieve(Some(id)) => Carries::Luggage(*id),
             Command::Close(closing) => Carries::Closing(closing),
+            Command::HandOver(over) => Carries::HandOver(over),
             Command::SearchAgain(area) => Carries::Area(*area),
             Command::Move(step) => Carries::Move(*step),
             Command::Goto(cell) => Carries::Cell(*cell),
@@ -186,6 +192,7 @@ impl Command {
             Carries::Luggage(id) => Some(LuggageRef::Id(id)),
             Carries::Nothing
             | Carries::Closing(_)
+            | Carries::HandOver(_)
             | Carries::Area(_)
             | Carries::Alarm(_)
             | Carries::Move(_)
@@ -209,6 +216,7 @@ impl Command {
             | Command::Goto(_) => true,
             Command::Stop
             | Command::Close(_)
+            | Command::HandOver(_)
             | Command::Verdict { .. }
             | Command::Unsure { .. }
             | Command::RetakePhoto(_)
@@ -231,6 +239,10 @@ impl std::fmt::Display for Command {
             Command::Reset => f.write_str("RESET"),
             Command::Close(Closing { name, note, .. }) => {
                 write!(f, "close, by {name}")?;
+                note.as_ref().map_or(Ok(()), |note| write!(f, " (note: {note})"))
+            }
+            Command::HandOver(HandOver { to, note }) => {
+                write!(f, "hand over, to {to}")?;
                 note.as_ref().map_or(Ok(()), |note| write!(f, " (note: {note})"))
             }
             Command::SearchAgain(area) => write!(f, "search again {} to {}", area.least, area.most),

@@ -14,7 +14,7 @@ use behaviour_trees::Value as TreeValue;
 use hallsweep_core::arm::Parcel;
 use hallsweep_core::asked::Asked;
 use hallsweep_core::bomb_size::BombSize;
-use hallsweep_core::closing::{Closed, OpenPoints};
+use hallsweep_core::closing::{Closed, HandOver, OpenPoints};
 use hallsweep_core::command::{
     Command, CommandId, Hot, HotAnswer, Issuer, LuggageRef, Move, Note, Strategy as Order, TemperatureReport, Verdict,
 };
@@ -92,6 +92,7 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
             note
         }),
         closed().prop_map(|closed| Fact::Closed(Box::new(closed))),
+        (text(), name(), note()).prop_map(|(who, to, note)| Fact::HandedOver { who: who.into(), over: HandOver { to, note } }),
         area().prop_map(Fact::SearchAgain),
         (text(), celsius()).prop_map(|(source, celsius)| Fact::Temperature(source.into(), celsius)),
         text().prop_map(|source| Fact::ThermometerSilent(source.into())),
@@ -121,9 +122,12 @@ fn open_points() -> impl Strategy<Value = OpenPoints> {
     })
 }
 
+fn name() -> impl Strategy<Value = Note> {
+    note().prop_map(|note| note.unwrap_or_else(|| Note::new("Anna Rossi").expect("a sound name")))
+}
+
 fn closed() -> impl Strategy<Value = Closed> {
-    let name = note().prop_map(|note| note.unwrap_or_else(|| Note::new("Anna Rossi").expect("a sound name")));
-    (text(), name, note(), open_points(), wall()).prop_map(|(who, name, note, open, wall)| Closed {
+    (text(), name(), note(), open_points(), wall()).prop_map(|(who, name, note, open, wall)| Closed {
         who: who.into(),
         name,
         note,

@@ -35,6 +35,7 @@ pub(in crate::doors::http) struct Fields {
     size: Option<String>,
     radius: Option<String>,
     open: Option<String>,
+    to: Option<String>,
 }
 
 /// The remarks of the operator beside a verdict. They come from the query of the confirmation page (`?note=…`).
@@ -77,6 +78,10 @@ impl Fields {
                 let (name, note) = (needed("name", self.name.as_deref())?, self.note.as_deref().map(one_line));
                 command::close(&one_line(name), note.as_deref(), needed("open", self.open.as_deref())?)?
             }
+            "handOver" => {
+                let (to, note) = (needed("to", self.to.as_deref())?, self.note.as_deref().map(one_line));
+                command::hand_over(&one_line(to), note.as_deref())?
+            }
             "move" => command::move_word(needed("move", self.word.as_deref())?)?,
             "goto" => command::goto(whole("x", &self.x)?, whole("y", &self.y)?)?,
             "searchAgain" => {
@@ -95,9 +100,9 @@ impl Fields {
         Ok((command, epoch))
     }
 
-    /// Returns the typed name and note of the person who closes the mission.
+    /// Returns the typed name and note of a statement about the mission.
     pub(super) fn typed(&self) -> [String; 2] {
-        [&self.name, &self.note].map(|typed| typed.clone().unwrap_or_default())
+        [self.name.as_ref().or(self.to.as_ref()), self.note.as_ref()].map(|typed| typed.cloned().unwrap_or_default())
     }
 
     /// Returns the name of the place where the page shows a refusal: beside the pressed button.
@@ -197,6 +202,7 @@ mod tests {
             name: Some("snail".to_owned()),
             status: None,
             open: Some("1:0,0,3,0,0,0,0".to_owned()),
+            to: Some("police".to_owned()),
             size: Some(String::new()),
             radius: Some(" ".to_owned()),
             luggage: Some("3".to_owned()),

@@ -7,14 +7,18 @@ use axum::extract::State;
 use axum::response::Html;
 
 use super::super::HttpDoor;
-use super::super::language::Spoken;
-use super::super::missions::{MISSIONS, RecordedMission, after, before, happened, newest, recorded, wanted};
+use super::super::language::{PageReader, Spoken};
+use super::super::missions::{
+    MISSIONS, RECEIPTS, RecordedMission, after, before, handed_over, happened, newest, recorded, wanted,
+};
 use super::super::problem::Problem;
 use super::super::query::Query;
 use super::super::reading::Number;
 use super::entrance::Entrance;
 use super::{hall, html};
+use crate::access::Need;
 use crate::api::luggage::photo_url;
+use crate::api::receipt::Receipt;
 use crate::api::time::{Zone, rfc3339};
 use crate::phrases::{Language, Phrase};
 use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
@@ -58,6 +62,20 @@ pub(in crate::doors::http) async fn one(
     let fetched = [PhaseName::Retrieving, PhaseName::BagSecured].iter().any(|phase| phase.name() == &*record.phase);
     let has_retrieval = fetched || state.as_ref().is_some_and(|state| state.retrieval.is_some());
     Ok(html(&One { language, record, state, has_retrieval, damage, show, after, events, next, zone }))
+}
+
+/// The receipts of a mission, to be printed and signed.
+pub(in crate::doors::http) async fn receipts(
+    State(door): State<HttpDoor>,
+    PageReader { caller, language, .. }: PageReader,
+    Number(id): Number,
+    query: Query,
+) -> Result<Html<String>, Problem> {
+    query.only(&["after"])?;
+    let (receipts, next) = handed_over(&door, id, after(&query)?, RECEIPTS).await?;
+    let (mission, zone) = (MissionId(id), Zone::of(door.clock.now().wall));
+    let may_hand_over = caller.may(Need::Act).is_ok() && door.handle.snapshot().mission.id == mission;
+    Ok(html(&Receipts { language, mission, receipts, next, zone, may_hand_over }))
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -121,6 +139,18 @@ struct One {
     events: Vec<Happened>,
     next: Option<Seq>,
     zone: Zone,
+}
+
+#[derive(Template)]
+#[template(path = "missions/receipts.html")]
+struct Receipts {
+    language: Language,
+    mission: MissionId,
+    receipts: Vec<Receipt>,
+    next: Option<Seq>,
+    zone: Zone,
+    /// Whether the mission is the present one, and the reader may give commands.
+    may_hand_over: bool,
 }
 
 struct Event {

@@ -104,11 +104,15 @@ async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields
             let said = to.language.say("kept-back").with("id", luggage.unwrap_or_default()).to_string();
             whole(&sender.door, &to, Some(Why::new("verdict", &said))).await.into_response()
         }
+        Ok(Done { snapshot, .. }) if act == "handOver" => {
+            Redirect::to(&format!("/missions/{}/receipts", snapshot.mission.id)).into_response()
+        }
         Ok(_) => Redirect::to("/").into_response(),
         Err(problem) if by_script => problem.told(spoken(headers)),
-        Err(problem) if act == "close" => {
+        Err(problem) if ["close", "handOver"].contains(&act) => {
             let language = PageReader::new(sender.caller.clone(), headers).language;
-            let page = close_page(&sender.door, language, problem.in_words(language), fields.typed());
+            let page = if act == "close" { close_page } else { hand_over_page };
+            let page = page(&sender.door, language, problem.in_words(language), fields.typed());
             let mut response = (problem.status(), page).into_response();
             problem.tell_gate(&mut response);
             response
@@ -157,6 +161,16 @@ fn close_page(door: &HttpDoor, language: Language, why: String, [name, note]: [S
     let (open, code) = (snapshot.mission.open, snapshot.mission.open.code(snapshot.mission.id));
     let finding = language.finding(&snapshot.luggage);
     html(&parts::CloseMission { language, finding, open, code, why, name, note })
+}
+
+/// `GET console/confirm/handOver`: asks to whom the mission is handed over.
+pub(super) async fn confirm_hand_over(State(door): State<HttpDoor>, Spoken(language): Spoken) -> Html<String> {
+    hand_over_page(&door, language, String::new(), Default::default())
+}
+
+/// The page that hands a mission over. After a refusal it shows the reason, and keeps what was typed.
+fn hand_over_page(door: &HttpDoor, language: Language, why: String, [to, note]: [String; 2]) -> Html<String> {
+    html(&parts::HandOverMission { language, mission: door.handle.snapshot().mission.id, why, to, note })
 }
 
 async fn whole(door: &HttpDoor, to: &PageReader, why: Option<Why>) -> Html<String> {
@@ -415,6 +429,24 @@ mod tests {
         let italian = [("accept-language", "it")];
         let page = text(app.send("GET", "/console/confirm/close", &italian, "").await).await;
         assert!(page.contains("bombe nella sala: 2") && page.contains("Chiudere la missione"), "{page}");
+    }
+
+    #[tokio::test]
+    async fn a_mission_is_handed_over_by_a_form_that_keeps_what_was_typed() {
+        let app = app(searching());
+        let page = app.page("/console/confirm/handOver").await;
+        assert!(page.contains("Hand mission 1 over") && page.contains("action=\"./console/handOver\""), "{page}");
+        let typed = "to=Police+%3Cb%3E&note=with%0Aphotos";
+        let done = app.form("/console/handOver", typed).await;
+        assert_eq!((done.status().as_u16(), &done.headers()["location"]), (303, &"/missions/1/receipts".parse().unwrap()));
+        let Command::HandOver(over) = app.last().command else { panic!("{:?}", app.last()) };
+        assert_eq!((over.to.text(), over.note.as_ref().map(Note::text)), ("Police <b>", Some("with photos")));
+        app.refuse(Refused::StoreDown);
+        let refused = app.form("/console/handOver", typed).await;
+        assert_eq!(refused.status(), 503);
+        let page = text(refused).await;
+        assert!(page.contains("role=\"alert\">the record cannot") && page.contains("value=\"Police &#60;b&#62;\""), "{page}");
+        assert_eq!(app.form("/console/handOver", "to=+").await.status(), 422);
     }
 
     #[tokio::test]

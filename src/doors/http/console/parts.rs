@@ -30,7 +30,7 @@ use hallsweep_core::settings::Rules;
 use hallsweep_core::snapshot::log::LogLine;
 use hallsweep_core::snapshot::retrieval::{TreeView, TreesView};
 use hallsweep_core::snapshot::robot::RobotShown;
-use hallsweep_core::units::{LuggageId, WallTime};
+use hallsweep_core::units::{LuggageId, MissionId, WallTime};
 use hallsweep_core::world::alarm::AlarmView;
 use hallsweep_core::world::luggage::Luggage;
 use hallsweep_core::world::resource::Resource;
@@ -175,6 +175,17 @@ pub(super) struct CloseMission {
     /// Why the mission could not be closed; empty before.
     pub(super) why: String,
     pub(super) name: String,
+    pub(super) note: String,
+}
+
+#[derive(Template)]
+#[template(path = "console/handing_over.html")]
+pub(super) struct HandOverMission {
+    pub(super) language: Language,
+    pub(super) mission: MissionId,
+    /// Why the mission could not be handed over; empty before.
+    pub(super) why: String,
+    pub(super) to: String,
     pub(super) note: String,
 }
 

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::super::laboratory::asked::{LONGEST_S, MOST_FAULTS, MOST_PARCELS, USUAL_PARCELS, USUAL_S, USUAL_SEED};
 use super::super::metrics;
-use super::super::missions::{EVENTS, MISSIONS, MOST_MISSIONS};
+use super::super::missions::{EVENTS, MISSIONS, MOST_MISSIONS, RECEIPTS};
 use super::super::query::MOST;
 use super::operation::Subject::{Commands, Laboratory, Map, Missions, OldClients, Program, Simulator, State};
 use super::operation::{Operation, Subject};
@@ -20,6 +20,7 @@ use crate::api::map_files::FILES;
 use crate::api::mission_record::{EventListJson, MissionListJson, MissionWholeJson, MomentJson};
 use crate::api::old_clients;
 use crate::api::problem::ProblemKind;
+use crate::api::receipt::ReceiptListJson;
 use crate::api::replay::ReplayJson;
 use crate::api::resources::{self, Form, RESOURCES};
 use crate::api::retrieval_record::RetrievalRecordJson;
@@ -160,6 +161,10 @@ fn missions(schemas: &mut Schemas) -> Vec<Operation> {
             .answers(TEXT, text()),
         of("/api/v1/missions/{id}/retrieval", "getMissionRetrieval", "The retrieval of a mission, tick by tick")
             .answers(JSON, schemas.sent::<RetrievalRecordJson>()),
+        of("/api/v1/missions/{id}/receipts", "getMissionReceipts", "The receipts for hand-overs of a mission, oldest first")
+            .asked("after", "Number of an entry; the list begins after this entry.", usual(number(0, MOST), 0))
+            .asked("limit", "Maximum number of receipts.", usual(number(1, RECEIPTS), RECEIPTS))
+            .answers(JSON, schemas.sent::<ReceiptListJson>()),
         file("/missions/{id}/report", "getMissionReport", "The report of a mission, as a page to save")
             .asked("language", spoken, language())
             .answers("text/html", text()),

@@ -10,7 +10,7 @@ use crate::api::tests::fixture::searching;
 
 fn is_for_people(path: &str) -> bool {
     const FOLDERS: [&str; 4] = ["/static/", "/console/", "/luggage/", "/simulator/"];
-    const PAGES: [&str; 13] = [
+    const PAGES: [&str; 14] = [
         "/",
         "/api",
         "/sign-in",
@@ -22,6 +22,7 @@ fn is_for_people(path: &str) -> bool {
         "/missions/{id}",
         "/missions/{id}/moment",
         "/missions/{id}/retrieval",
+        "/missions/{id}/receipts",
         "/laboratory",
         "/simulator",
     ];

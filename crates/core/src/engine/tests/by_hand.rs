@@ -8,7 +8,7 @@ use crate::state::fact::Fact;
 use crate::world::hall_map::Mark;
 
 /// The commands that have a column in the tables below. The other commands are accepted in every phase and do not
-/// change the phase: OK, a reading, a sensor's reading and the acknowledgement of an alarm.
+/// change the phase: OK, a reading, a sensor's reading, a hand-over and the acknowledgement of an alarm.
 const COLUMNS: [Input; 16] = [
     Input::Start,
     Input::Stop,
@@ -158,8 +158,8 @@ fn expected(table: &'static str, phase: PhaseName, input: Input, holds: &[Hold])
     let moves = [Input::Start, Input::BackHome, Input::GoOn, Input::SearchAgain, Input::Retrieve, Input::Move, Input::Goto];
     let moves = moves.contains(&input);
     let recorded = [Input::Safe, Input::Danger, Input::TemperatureOk, Input::TemperatureTooHigh, Input::Reading, Input::Reset];
-    let recorded =
-        recorded.contains(&input) || [Input::Acknowledge, Input::Strategy, Input::Unsure, Input::Close].contains(&input);
+    let recorded = recorded.contains(&input)
+        || [Input::Acknowledge, Input::Strategy, Input::Unsure, Input::Close, Input::HandOver].contains(&input);
     let repeat = input == Input::Safe && table == DECIDED;
     match holds {
         [] => meant(cell(table, phase, input, false), phase),

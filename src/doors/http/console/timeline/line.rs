@@ -312,6 +312,7 @@ fn class(fact: &Fact) -> Option<&'static str> {
         | Fact::Judged(_)
         | Fact::Unsure { .. }
         | Fact::Closed(_)
+        | Fact::HandedOver { .. }
         | Fact::SearchAgain(_)
         | Fact::Retrieval(_) => {
             return None;
