@@ -1,6 +1,9 @@
 // Two people judge: one is unsure at first. What the first answers stays hidden from the second, each on a page in another language. After a
 // danger the search goes on, and both bombs are fetched, the second one first.
 
+import { execFileSync } from 'node:child_process';
+import { rmSync, writeFileSync } from 'node:fs';
+
 import { appears, button, fits, look, must, numberOf, phase, photoIsShown, safe, start, tab, until } from './person.mjs';
 
 async function signIn(page, url, token) {
@@ -11,7 +14,7 @@ async function signIn(page, url, token) {
 
 const judges = {
   async play({ page, url, picture, patience }) {
-    const { OPERATOR, SECOND } = process.env;
+    const { OPERATOR, SECOND, DATA, PROGRAM } = process.env;
     const waiting = { patience };
     const context = await page.context().browser().newContext({ locale: 'it-IT', viewport: { width: 1280, height: 800 } });
     const other = await context.newPage();
@@ -148,6 +151,32 @@ const judges = {
     const report = await (await page.request.get(`${url}/missions/1/report`)).text();
     must(/answer kept back until now/.test(report) && /hidden: no/.test(report) && /unsure about luggage/.test(report)
       && /<dt>Closed<\/dt><dd>[^<]*mission closed by Anna Rossi, key operator/.test(report) && /2 of \d+ judged pieces were judged dangerous/.test(report), `the report says nothing of the judges: ${report}`);
+
+    // The second operator hands the mission over. The code on the receipt and the report agree with the journal.
+    await other.goto(`${url}/missions/1/receipts`);
+    await other.getByRole('link', { name: 'Consegnare…' }).click();
+    await other.getByLabel('Persona o ufficio che prende in consegna').fill('Questura, ispettore Bianchi');
+    await other.getByLabel('Nota').fill('con le foto');
+    await fits(other);
+    await picture('handing-over', other);
+    await other.getByRole('button', { name: 'Consegnare', exact: true }).click();
+    await other.getByRole('heading', { name: 'Ricevuta: consegnata a Questura, ispettore Bianchi' }).waitFor();
+    for (const width of [320, 1280]) {
+      await other.setViewportSize({ width, height: 800 });
+      await fits(other);
+    }
+    await picture('receipt', other);
+    const { receipts: [receipt] } = await (await page.request.get(`${url}/api/v1/missions/1/receipts`)).json();
+    must(receipt.by === 'second' && receipt.note === 'con le foto', JSON.stringify(receipt));
+    await page.goto(`${url}/missions/1`);
+    await page.getByRole('link', { name: 'Hand-overs' }).click();
+    await page.getByText(receipt.code, { exact: true }).waitFor();
+    await picture('receipt-in-english');
+    writeFileSync(`${DATA}.html`, report);
+    const checks = ['journal', '--data', DATA, 'check', '--receipt', receipt.code, '--report', `${DATA}.html`];
+    const said = execFileSync(PROGRAM, checks, { encoding: 'utf8' });
+    rmSync(`${DATA}.html`);
+    must(said.match(/is confirmed/g)?.length === 2, `receipt and report: ${said}`);
     await context.close();
   },
 };
