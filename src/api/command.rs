@@ -11,9 +11,10 @@ use super::fields::{Body, BodyFields, Unread, in_short, needed};
 use super::halt::is_halt;
 use super::vocabulary;
 use hallsweep_core::bomb_size::BombSize;
-use hallsweep_core::closing::{Closing, HandOver};
+use hallsweep_core::closing::Closing;
 use hallsweep_core::command::{Command, CommandId, Hot, HotAnswer, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
-use hallsweep_core::units::{Cell, Celsius, Epoch, LuggageId};
+use hallsweep_core::hand_over::HandOver;
+use hallsweep_core::units::{Cell, Celsius, Epoch, LuggageId, MissionId};
 use hallsweep_core::words::is_visible;
 use hallsweep_core::world::hall_map::{Bounds, REACH};
 
@@ -56,7 +57,7 @@ pub struct CloseBody {
     open_points: Option<String>,
 }
 
-/// Hand-over of the mission and its record, as `{"to":"Inspector Bianchi","note":"with the photos"}`.
+/// Hand-over of the mission and its record, as `{"to":"Inspector Bianchi","mission":7}`.
 #[derive(Clone, Debug, JsonSchema)]
 #[schemars(deny_unknown_fields)]
 pub struct HandOverBody {
@@ -66,6 +67,9 @@ pub struct HandOverBody {
     /// Remark, in one line of visible characters.
     #[schemars(length(max = Note::MOST), regex(pattern = VISIBLE))]
     note: Option<String>,
+    /// Number of the mission that the sender means. The command is refused if another mission is under way.
+    #[schemars(range(max = u64::MAX))]
+    mission: Option<u64>,
 }
 
 /// One move by hand, as `{"move":"w"}`.
@@ -245,11 +249,11 @@ impl Body for CloseBody {
 }
 
 impl Body for HandOverBody {
-    const FIELDS: &'static [&'static str] = &["to", "note"];
+    const FIELDS: &'static [&'static str] = &["to", "note", "mission"];
 
     fn taken(fields: &BodyFields) -> Result<HandOverBody, Unusable> {
         let to = needed(fields.text("to")?, "to", "{\"to\":\"Inspector Bianchi\"}")?;
-        Ok(HandOverBody { to, note: fields.text("note")? })
+        Ok(HandOverBody { to, note: fields.text("note")?, mission: fields.count("mission")? })
     }
 }
 
@@ -328,7 +332,7 @@ impl CloseBody {
 
 impl HandOverBody {
     pub fn command(&self) -> Result<Command, Unusable> {
-        hand_over(&self.to, self.note.as_deref())
+        hand_over(&self.to, self.note.as_deref(), self.mission)
     }
 }
 
@@ -416,20 +420,26 @@ impl StrategyBody {
 
 /// Reads the note of a verdict; `None` if the note is blank.
 pub fn note(text: &str) -> Result<Option<Note>, Unusable> {
+    line("the note", text)
+}
+
+/// Reads one line of visible characters; `None` if it is blank. `what` names the field in the error message.
+fn line(what: &str, text: &str) -> Result<Option<Note>, Unusable> {
     let (text, most) = (text.trim(), Note::MOST);
     let length = text.chars().count();
     if length > most {
-        return Err(Unusable(format!("the note has {length} characters: the limit is {most}")));
+        return Err(Unusable(format!("{what} has {length} characters: the limit is {most}")));
     }
     if let Some(hidden) = text.chars().find(|letter| !is_visible(*letter)) {
-        return Err(Unusable(format!("the note has the invisible character {hidden:?}: write one line of visible characters")));
+        return Err(Unusable(format!("{what} has the invisible character {hidden:?}: write one line of visible characters")));
     }
     Ok(Note::new(text))
 }
 
 /// Reads the statement of the person in charge.
 pub fn close(name: &str, note_of: Option<&str>, open: &str) -> Result<Command, Unusable> {
-    let name = note(name)?.ok_or_else(|| Unusable("the name is empty: write the name of the person in charge".to_owned()))?;
+    let name = line("the name", name)?
+        .ok_or_else(|| Unusable("the name is empty: write the name of the person in charge".to_owned()))?;
     let length = open.chars().count();
     if length > OPEN_POINTS {
         return Err(Unusable(format!("openPoints has {length} characters: send the text of the refusal openPoints")));
@@ -438,9 +448,10 @@ pub fn close(name: &str, note_of: Option<&str>, open: &str) -> Result<Command, U
 }
 
 /// Reads to whom the mission is handed over.
-pub fn hand_over(to: &str, note_of: Option<&str>) -> Result<Command, Unusable> {
-    let to = note(to)?.ok_or_else(|| Unusable("`to` is empty: write who takes the mission over".to_owned()))?;
-    Ok(Command::HandOver(HandOver { to, note: note_of.map(note).transpose()?.flatten() }))
+pub fn hand_over(to: &str, note_of: Option<&str>, mission: Option<u64>) -> Result<Command, Unusable> {
+    let to = line("`to`", to)?.ok_or_else(|| Unusable("`to` is empty: write who takes the mission over".to_owned()))?;
+    let (mission, note) = (mission.map(MissionId), note_of.map(note).transpose()?.flatten());
+    Ok(Command::HandOver(HandOver { mission, to, note }))
 }
 
 pub fn bomb_size(text: &str) -> Result<BombSize, Unusable> {

@@ -100,7 +100,7 @@ pub const COMMANDS: [CommandRow; 16] = [
     CommandRow { takes: Takes::Close, ..word("close", "/commands/close", "state that the search is over", CommandKind::Close,
         &[r#"{"name":"Anna Rossi","openPoints":"7:0,1,21,0,0,111,0"}"#]) },
     CommandRow { takes: Takes::HandOver, ..word("handOver", "/commands/handOver", "hand the mission over", CommandKind::HandOver,
-        &[r#"{"to":"Inspector Bianchi","note":"with the photos"}"#]) },
+        &[r#"{"to":"Inspector Bianchi","mission":7}"#, r#"{"to":"court","note":"with the photos"}"#]) },
     CommandRow { takes: Takes::Area, ..word("searchAgain", "/commands/searchAgain", "search an area again", CommandKind::SearchAgain,
         &[r#"{"x":1,"y":1,"toX":4,"toY":3}"#]) },
     CommandRow { need: Need::Stop, takes: Takes::Move, ..word("move", "/commands/move", "move once by hand", CommandKind::Move,

@@ -9,8 +9,8 @@ use clap::{Args, Subcommand};
 use super::{Failure, Folder};
 use crate::api::journal::{self, Line};
 use crate::api::journal_words;
-use crate::api::receipt::{Receipt, ReceiptJson};
-use crate::api::time::midnight;
+use crate::api::time::{midnight, rfc3339};
+use crate::report::receipt::Receipt;
 use crate::runtime::archive::Unreadable;
 use crate::runtime::clock::Clock;
 use crate::storage::sqlite::{self, ArchiveCheck, Archived, Findings, ReadOnlyJournal};
@@ -39,9 +39,10 @@ enum What {
         /// Also compare this archive with the journal; may be given several times.
         #[arg(long, value_name = "FILE")]
         archive: Vec<PathBuf>,
-        /// Also confirm the receipt for a hand-over by its code, such as 2-1041-9f86d081884c7d65.
-        #[arg(long, value_name = "CODE")]
-        receipt: Option<String>,
+        /// Also confirm this receipt for a hand-over, by its code, such as 2-1041-9f86d081884c7d65; may be given several
+        /// times. The archives of --archive are searched, too.
+        #[arg(long, value_name = "CODE", value_parser = receipt_code)]
+        receipt: Vec<String>,
     },
     /// Move old missions to an archive, and check the archive. Old missions are those that were put away (by RESET or
     /// the next START) before a given day. No hallsweep may be using the data folder.
@@ -98,11 +99,12 @@ pub fn run(asked: &Journal) -> Result<(), Failure> {
         }
         What::Export(which) => list(&reading, which, journal::line, journal::unreadable),
         What::Check { report, archive, receipt } => {
+            // A digest says nothing while the entries under it do not agree with it, so a fault ends the check.
             tell(&reading.check()?)?;
             if !archive.is_empty() {
                 hold_together(&reading, &archive)?;
             }
-            receipt.map_or(Ok(()), |code| confirm_receipt(&reading, &code))?;
+            receipt.iter().try_for_each(|code| confirm_receipt(&reading, &archive, code))?;
             report.map_or(Ok(()), |report| super::report::confirm(&reading, &report))
         }
         What::Rebuild | What::Archive { .. } | What::Unpack { .. } => Ok(()),
@@ -178,30 +180,53 @@ fn hold_together(reading: &ReadOnlyJournal, archives: &[PathBuf]) -> Result<(), 
     Err(Failure::Run(format!("{looked_at}; faults found: {}", faults.len())))
 }
 
-fn confirm_receipt(journal: &ReadOnlyJournal, code: &str) -> Result<(), Failure> {
+fn receipt_code(text: &str) -> Result<String, String> {
+    let wrong = || "write mission, entry and 16 digits, as on the receipt, such as 2-1041-9f86d081884c7d65".to_owned();
+    let code = text.trim().to_ascii_lowercase();
+    Receipt::parse_code(&code).map(|_| code).ok_or_else(wrong)
+}
+
+/// Looks for the hand-over in the journal, and in the given archives.
+fn confirm_receipt(journal: &ReadOnlyJournal, archives: &[PathBuf], code: &str) -> Result<(), Failure> {
     let refused = |why: String| Failure::Run(format!("the receipt {code} is not confirmed: {why}"));
-    let (mission, seq) = Receipt::named(code).ok_or_else(|| {
-        Failure::Usage("a receipt has a code such as 2-1041-9f86d081884c7d65: mission, entry and 16 digits".to_owned())
-    })?;
-    let receipts = Receipt::all(&*journal.archive(), mission, Seq(seq.0.saturating_sub(1)), 1)?;
-    let Some(receipt) = receipts.into_iter().find(|receipt| receipt.seq == seq) else {
-        return Err(refused(match journal.archive_with(mission)? {
-            Some((file, digest)) => format!(
-                "mission {mission} is in the archive {file} (SHA-256 {digest}) and no longer in the journal; `hallsweep journal \
-                 check --data FILE --receipt {code}`, with the path of the archive as FILE, checks it there"
+    let Some((mission, seq)) = Receipt::parse_code(code) else { return Ok(()) };
+    let mut receipt = Receipt::of(&*journal.archive(), mission, seq)?;
+    for file in archives {
+        if receipt.is_none() {
+            receipt = Receipt::of(&*ReadOnlyJournal::open(file)?.archive(), mission, seq)?;
+        }
+    }
+    let Some(Receipt { wall, who, to, note, code: own }) = receipt else {
+        let lost_after = journal.archive().lost_after()?.filter(|kept| seq > *kept);
+        return Err(refused(match (lost_after, journal.archive_with(mission)?) {
+            (Some(kept), _) => format!("the entries after {kept} were reported as lost, and the next start withdraws them"),
+            (None, Some((file, digest))) => format!(
+                "mission {mission} is in the archive {file} (SHA-256 {digest}) and no longer in the journal: add --archive with \
+                 its path"
             ),
-            None => format!("entry {seq} is no hand-over of mission {mission}; this may be the wrong journal"),
+            (None, None) => format!(
+                "entry {seq} is no hand-over of mission {mission}: the code may be copied wrongly, or this may be the wrong journal"
+            ),
         }));
     };
-    if !receipt.code.as_ref().is_some_and(|own| own.eq_ignore_ascii_case(code)) {
-        let why = "the digest differs, so this is another journal, or it was changed after the hand-over";
+    if own.as_deref() != Some(code) {
+        let why =
+            "the digest differs: the code is not copied rightly, this is another journal, or it was changed after the hand-over";
         return Err(refused(format!("entry {seq} is a hand-over, but {why}")));
     }
-    let ReceiptJson { time, by, to, note, .. } = receipt.into();
-    let note = note.map(|note| format!(" (note: {note})")).unwrap_or_default();
+    let mut first = seq;
+    journal.lines(None, None, |oldest, _| {
+        first = oldest;
+        false
+    })?;
+    let compared = match first {
+        Seq(1) => format!("entries 1 to {seq} are as they were then"),
+        _ => format!("the entries up to {seq} that are here are as they were then; --archive compares those before {first}"),
+    };
+    let note = note.map(|note| format!("\n  note: {note}")).unwrap_or_default();
     super::print(&format!(
-        "the receipt {code} is confirmed: at {time} mission {mission} was handed over to {to}, by {by}{note}; the journal up to \
-         entry {seq} is as it was then"
+        "the receipt {code} is confirmed: {compared}\n  mission {mission}, handed over at {}\n  by: {who}\n  to: {to}{note}",
+        rfc3339(wall)
     ))
 }
 

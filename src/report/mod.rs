@@ -16,6 +16,7 @@ mod compare;
 mod hall;
 pub mod list;
 mod page;
+pub mod receipt;
 mod scaled;
 mod tally;
 

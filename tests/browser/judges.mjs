@@ -160,14 +160,14 @@ const judges = {
     await fits(other);
     await picture('handing-over', other);
     await other.getByRole('button', { name: 'Consegnare', exact: true }).click();
-    await other.getByRole('heading', { name: 'Ricevuta: consegnata a Questura, ispettore Bianchi' }).waitFor();
+    await other.getByRole('heading', { name: 'Ricevuta della consegna a Questura, ispettore Bianchi' }).waitFor();
     for (const width of [320, 1280]) {
       await other.setViewportSize({ width, height: 800 });
       await fits(other);
     }
     await picture('receipt', other);
     const { receipts: [receipt] } = await (await page.request.get(`${url}/api/v1/missions/1/receipts`)).json();
-    must(receipt.by === 'second' && receipt.note === 'con le foto', JSON.stringify(receipt));
+    must(receipt.by.startsWith('second (console, ') && receipt.note === 'con le foto', JSON.stringify(receipt));
     await page.goto(`${url}/missions/1`);
     await page.getByRole('link', { name: 'Hand-overs' }).click();
     await page.getByText(receipt.code, { exact: true }).waitFor();

@@ -112,6 +112,7 @@ pub(crate) fn refusals() -> Vec<Refused> {
             mission: MissionId(7),
             open: Box::new(OpenPoints { pending: 1, unvisited: 12, ..OpenPoints::default() }),
         },
+        Refused::OtherMission(MissionId(7)),
         Refused::NothingSearched,
         Refused::AreaTooLarge(4096),
         Refused::NoPhoto(piece),

@@ -46,16 +46,22 @@ fn a_receipt_is_confirmed_until_the_record_before_it_is_changed() {
     assert!(hand_over(r#"{"to":"police"}"#).problem(409).contains("not possible while"), "no mission is under way");
     program.command("start").accepted();
     let piece = program.until_asked();
-    // A hand-over halts nobody and waits for nobody: the piece still waits for its verdict.
+    let state = || {
+        let state = program.json("state");
+        ["phase", "holds", "epoch"].map(|name| state["mission"][name].clone())
+    };
+    let before = state();
     hand_over(r#"{"to":"Inspector <b>Bianchi</b>","note":"with the photos"}"#).accepted();
+    assert_eq!(state(), before, "it halts nobody, and the piece still waits for its verdict");
+    assert!(hand_over(r#"{"to":"court","mission":2}"#).problem(409).contains("mission 1 is under way now"));
     program.verdict(piece, "danger").accepted();
     program.until_phase("bombLocated");
-    hand_over(r#"{"to":"court"}"#).accepted();
+    hand_over(r#"{"to":"court","mission":1}"#).accepted();
     let list = program.json("missions/1/receipts");
     let (first, codes_then) = (&list["receipts"][0], codes(&program, 1));
     assert_eq!(
         (&first["to"], &first["note"], &first["by"]),
-        (&"Inspector <b>Bianchi</b>".into(), &"with the photos".into(), &"operator".into())
+        (&"Inspector <b>Bianchi</b>".into(), &"with the photos".into(), &"operator (http, 127.0.0.1)".into())
     );
     let rest = program.json(&format!("missions/1/receipts?after={}&limit=1", first["seq"]));
     assert_eq!((rest["receipts"][0]["to"].as_str(), &rest["next"]), (Some("court"), &serde_json::Value::Null));
@@ -75,7 +81,10 @@ fn a_receipt_is_confirmed_until_the_record_before_it_is_changed() {
     drop(program);
     let check = |code: &str| journal(&folder, &["check", "--receipt", code]);
     let (well, said) = check(&codes_then[0].to_uppercase());
-    assert!(well && said.contains("handed over to Inspector <b>Bianchi</b>, by operator (note: with the photos)"), "{said}");
+    assert!(
+        well && said.contains("by: operator (http, 127.0.0.1)\n  to: Inspector <b>Bianchi</b>\n  note: with the photos\n"),
+        "{said}"
+    );
 
     let seq: u64 = codes_then[0].split('-').nth(1).expect("an entry").parse().expect("a number");
     let digits = codes_then[0].rsplit('-').next().expect("the digits");
@@ -85,7 +94,7 @@ fn a_receipt_is_confirmed_until_the_record_before_it_is_changed() {
         (format!("7-{seq}-{digits}"), "is no hand-over of mission 7"),
         (format!("1-{}-{digits}", u64::MAX), "is no hand-over of mission 1"),
         (format!("1-{seq}-0123456789abcdef"), "the digest differs"),
-        (format!("1-{seq}"), "a receipt has a code such as"),
+        (format!("1-{seq}"), "write mission, entry and 16 digits"),
     ] {
         let (well, said) = check(&code);
         assert!(!well && said.contains(why), "{code}: {said}");
@@ -133,7 +142,9 @@ fn a_mission_that_was_moved_to_an_archive_is_confirmed_there() {
     let (well, said) = journal(&folder, &["archive", "--before", "2999-01-01", "-o", &archive]);
     assert!(well, "{said}");
     let (well, said) = journal(&folder, &["check", "--receipt", &code]);
-    assert!(!well && said.contains("with the path of the archive as FILE"), "{said}");
+    assert!(!well && said.contains("add --archive with its path"), "{said}");
+    let (well, said) = journal(&folder, &["check", "--archive", &archive, "--receipt", &code]);
+    assert!(well && said.contains("is confirmed"), "{said}");
     let output = hallsweep(&["journal", "--data", &archive, "check", "--receipt", &code]).output().expect("the program starts");
     assert!(String::from_utf8_lossy(&output.stdout).contains("is confirmed"), "{output:?}");
     std::fs::remove_file(archive).expect("it was written");

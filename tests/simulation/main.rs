@@ -28,6 +28,7 @@ mod rules_commands;
 mod rules_crossings;
 mod rules_driving;
 mod rules_going_on;
+mod rules_handing_over;
 mod rules_holds;
 mod rules_judges;
 mod rules_luggage;

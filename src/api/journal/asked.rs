@@ -10,11 +10,12 @@ use super::names::{self, Step};
 use super::places::{AreaShape, Point};
 use super::{Unparsed, earlier};
 use hallsweep_core::asked::Asked;
-use hallsweep_core::closing::{Closing, HandOver};
+use hallsweep_core::closing::Closing;
 use hallsweep_core::command::{Carries, Command, Hot, LuggageRef, Note, TemperatureReport};
+use hallsweep_core::hand_over::HandOver;
 use hallsweep_core::simulated::{Change, Simulated};
 use hallsweep_core::speed::Speed;
-use hallsweep_core::units::{AlarmId, LuggageId};
+use hallsweep_core::units::{AlarmId, LuggageId, MissionId};
 
 impl Valued for Asked {
     fn coded(&self) -> Coded {
@@ -77,8 +78,9 @@ fn of_command(command: &Command) -> Coded {
             let note = note.as_ref().map(Note::text);
             Coded::new(code, json!({ "name": name.text(), "note": note, "openPoints": &**seen }))
         }
-        Carries::HandOver(HandOver { to, note }) => {
-            Coded::new(code, json!({ "to": to.text(), "note": note.as_ref().map(Note::text) }))
+        Carries::HandOver(HandOver { mission, to, note }) => {
+            let mission = mission.map(|mission| mission.0);
+            Coded::new(code, json!({ "mission": mission, "to": to.text(), "note": note.as_ref().map(Note::text) }))
         }
         Carries::Area(area) => Coded::new(code, json!({ "area": AreaShape::from(area) })),
         Carries::Unsure(luggage, note, hot) => Coded::new(code, answer(luggage, note, hot)),
@@ -140,7 +142,9 @@ fn command(coded: &Coded) -> Result<Command, Unparsed> {
             Command::Close(Closing { name, note, seen })
         }
         "handOver" => {
-            Command::HandOver(HandOver { to: names::name(coded.field("to")?)?, note: names::note(coded.field("note")?)? })
+            let mission = coded.field::<Option<u64>>("mission")?.map(MissionId);
+            let (to, note) = (names::name(coded.field("to")?)?, names::note(coded.field("note")?)?);
+            Command::HandOver(HandOver { mission, to, note })
         }
         "searchAgain" => Command::SearchAgain(coded.field::<AreaShape>("area")?.into()),
         "retake" => Command::RetakePhoto(LuggageId(coded.field("luggage")?)),

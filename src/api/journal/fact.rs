@@ -14,7 +14,6 @@ use super::places::{AreaShape, GoalShape, PoseShape};
 use super::retrieval::RetrievalShape;
 use super::standing::StandingShape;
 use super::{Picture, Unparsed, map, names, places, refused, retrieval};
-use hallsweep_core::closing::HandOver;
 use hallsweep_core::command::Issuer;
 use hallsweep_core::state::fact::{Fact, Unpacked, WrittenOut};
 use hallsweep_core::units::{AlarmId, Cell, Epoch, LuggageId, MissionId, Piece, Seq};
@@ -140,7 +139,7 @@ pub(super) enum Shape {
     Judged(JudgementShape),
     /// The person in charge has closed the mission.
     Closed(ClosedShape),
-    /// The sender has handed over the mission and its record.
+    /// The mission and its record were handed over to this person or office.
     HandedOver {
         who: String,
         to: String,
@@ -290,7 +289,7 @@ impl Shape {
                 hot: (*hot).into(),
             },
             Fact::Closed(closed) => Shape::Closed((&**closed).into()),
-            Fact::HandedOver { who, over: HandOver { to, note } } => Shape::HandedOver {
+            Fact::HandedOver { who, to, note } => Shape::HandedOver {
                 who: who.to_string(),
                 to: to.text().to_owned(),
                 note: note.as_ref().map(|note| note.text().to_owned()),
@@ -361,7 +360,7 @@ impl Shape {
             },
             Shape::Closed(closed) => Fact::Closed(Box::new(closed.closed()?)),
             Shape::HandedOver { who, to, note } => {
-                Fact::HandedOver { who: who.into(), over: HandOver { to: names::name(to)?, note: names::note(note)? } }
+                Fact::HandedOver { who: who.into(), to: names::name(to)?, note: names::note(note)? }
             }
             Shape::SearchAgain(area) => Fact::SearchAgain(area.into()),
             Shape::Temperature { source, celsius } => Fact::Temperature(source.into(), names::celsius(celsius)?),

@@ -35,6 +35,7 @@ pub(super) fn written(refused: &Refused, form: Form) -> Coded {
         Refused::FaultStands(fault) => json!({ "fault": CauseShape::of(fault, form) }),
         Refused::OtherContent(id) => json!({ "id": id.text() }),
         Refused::OpenPoints { mission, open } => json!({ "mission": mission.0, "open": OpenShape::from(**open) }),
+        Refused::OtherMission(mission) => json!({ "mission": mission.0 }),
         Refused::AreaTooLarge(most) => json!({ "most": most }),
         Refused::UnknownSensor(sensor) => json!({ "sensor": &**sensor }),
         Refused::NotAllowed(_) | Refused::InWords(_) => json!({ "words": refused.to_string() }),
@@ -100,6 +101,7 @@ fn value(coded: &Coded) -> Result<Refused, Unparsed> {
             let open = Box::new(coded.field::<OpenShape>("open")?.into());
             Refused::OpenPoints { mission: MissionId(coded.field("mission")?), open }
         }
+        "otherMission" => Refused::OtherMission(MissionId(coded.field("mission")?)),
         "nothingSearched" => Refused::NothingSearched,
         "areaTooLarge" => Refused::AreaTooLarge(coded.field("most")?),
         "faultStands" => Refused::FaultStands(coded.field::<CauseShape>("fault")?.cause()?),

@@ -137,10 +137,11 @@ mod tests {
     use super::*;
     use crate::api::tests::fixture::searching;
     use hallsweep_core::bomb_size::BombSize;
-    use hallsweep_core::closing::{Closing, HandOver};
+    use hallsweep_core::closing::Closing;
     use hallsweep_core::command::{Hot, HotAnswer, LuggageRef, Move, Note, TemperatureReport, Verdict};
+    use hallsweep_core::hand_over::HandOver;
     use hallsweep_core::refused::Refused;
-    use hallsweep_core::units::{AlarmId, Cell, LuggageId};
+    use hallsweep_core::units::{AlarmId, Cell, LuggageId, MissionId};
     use hallsweep_core::world::hall_map::Bounds;
 
     async fn check(app: &TestApp, method: &str, path: &str, body: &str, expect: u16) -> serde_json::Value {
@@ -172,7 +173,11 @@ mod tests {
         let hot = Hot { size: Some(BombSize::Radius(120)), ..Hot::NONE };
         let luggage = LuggageRef::Id(LuggageId(3));
         let sized = Command::Verdict { luggage, verdict: Verdict::Danger, note: None, hot };
-        let over = HandOver { to: Note::new("Inspector Bianchi").unwrap(), note: Note::new("with the photos") };
+        let hand_over = HandOver {
+            mission: Some(MissionId(7)),
+            to: Note::new("Inspector Bianchi").unwrap(),
+            note: Note::new("with the photos"),
+        };
         let area = Bounds { least: Cell::new(1, -1), most: Cell::new(3, 4) };
         let unsure = Command::Unsure {
             luggage: LuggageRef::Id(LuggageId(3)),
@@ -189,7 +194,12 @@ mod tests {
             ("POST", "/commands/retrieve", r#"{"luggage":3}"#, Command::Retrieve(Some(LuggageId(3)))),
             ("POST", "/commands/reset", "", Command::Reset),
             ("POST", "/commands/close", r#"{"name":"Anna Rossi","openPoints":"7:1,0,0,0,0,0,0"}"#, closing),
-            ("POST", "/commands/handOver", r#"{"to":" Inspector Bianchi","note":"with the photos"}"#, Command::HandOver(over)),
+            (
+                "POST",
+                "/commands/handOver",
+                r#"{"to":" Inspector Bianchi","note":"with the photos","mission":7}"#,
+                Command::HandOver(hand_over),
+            ),
             ("POST", "/commands/searchAgain", r#"{"x":3,"y":-1,"toX":1,"toY":4}"#, Command::SearchAgain(area)),
             ("POST", "/commands/move", r#"{"move":"w"}"#, Command::Move(Move::Forward)),
             ("POST", "/commands/move", r#"{"move":"h"}"#, Command::Stop),

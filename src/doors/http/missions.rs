@@ -16,9 +16,10 @@ use crate::api::map_text;
 use crate::api::mission_record::{
     Links, MissionListJson, MissionRecordJson, MissionWholeJson, MomentJson, events as events_json,
 };
-use crate::api::receipt::{Receipt, ReceiptListJson};
+use crate::api::receipt::ReceiptListJson;
 use crate::api::retrieval_record::RetrievalRecordJson;
 use crate::api::time::rfc3339;
+use crate::report::receipt::Receipt;
 use crate::runtime::archive::{Archive, At, Happened, MissionRecord, PastMoment, Sound, Span, Unreadable};
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::state::fact::{Entry, Fact};
@@ -183,19 +184,22 @@ pub(super) async fn receipts(
 ) -> Result<Response, Problem> {
     query.only(&["after", "limit"])?;
     let limit = query.count("limit", 1..=RECEIPTS)?.unwrap_or(RECEIPTS);
-    let (receipts, next) = handed_over(&door, id, after(&query)?, limit).await?;
+    let (found, next) = receipts_after(&door, id, after(&query)?, limit).await?;
     let next = next.map(|after| format!("{}/receipts?after={after}&limit={limit}", Links::of(MissionId(id)).itself));
-    let receipts = receipts.into_iter().map(Into::into).collect();
-    Ok(by_content(&headers, JSON, json(&ReceiptListJson { mission: id, receipts, next })))
+    let (mut receipts, mut damage) = (Vec::new(), Vec::new());
+    for (seq, receipt) in found {
+        match receipt {
+            Ok(receipt) => receipts.push((seq, receipt).into()),
+            Err(Unreadable(words)) => damage.push(words),
+        }
+    }
+    Ok(by_content(&headers, JSON, json(&ReceiptListJson { mission: id, receipts, damage, next })))
 }
 
+pub(super) type Receipts = Vec<(Seq, Result<Receipt, Unreadable>)>;
+
 /// Returns the receipts of a mission after the entry `after`. Also returns the value of `after` for the next page.
-pub(super) async fn handed_over(
-    door: &HttpDoor,
-    id: u64,
-    after: Seq,
-    limit: u64,
-) -> Result<(Vec<Receipt>, Option<Seq>), Problem> {
+pub(super) async fn receipts_after(door: &HttpDoor, id: u64, after: Seq, limit: u64) -> Result<(Receipts, Option<Seq>), Problem> {
     let (mission, limit) = (MissionId(id), count(limit));
     let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
         Some(_) => Receipt::all(archive, mission, after, limit + 1).map(Some),
@@ -204,7 +208,7 @@ pub(super) async fn handed_over(
     let mut receipts = found.await?.ok_or_else(|| unknown(id))?;
     let more = receipts.len() > limit;
     receipts.truncate(limit);
-    let next = receipts.last().map(|receipt| receipt.seq).filter(|_| more);
+    let next = receipts.last().map(|(seq, _)| *seq).filter(|_| more);
     Ok((receipts, next))
 }
 

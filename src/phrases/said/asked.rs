@@ -3,8 +3,9 @@
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::asked::Asked;
 use hallsweep_core::bomb_size::BombSize;
-use hallsweep_core::closing::{Closing, HandOver};
+use hallsweep_core::closing::Closing;
 use hallsweep_core::command::{Carries, Command, Door, Hot, Issuer, Move, Note, TemperatureReport, Verdict};
+use hallsweep_core::hand_over::HandOver;
 use hallsweep_core::units::{Celsius, LuggageId};
 
 impl Language {
@@ -53,7 +54,7 @@ impl Language {
             Carries::Closing(Closing { name, note, .. }) => {
                 return self.with_remarks(named.with("name", name).to_string(), Hot::NONE, note.as_ref());
             }
-            Carries::HandOver(HandOver { to, note }) => {
+            Carries::HandOver(HandOver { to, note, .. }) => {
                 return self.with_remarks(named.with("to", to).to_string(), Hot::NONE, note.as_ref());
             }
             Carries::Area(area) => named.with("from", area.least).with("to", area.most),

@@ -1,7 +1,7 @@
 //! Words for the facts of the journal; words for requests are in `asked`.
 
 use crate::phrases::{Language, Phrase};
-use hallsweep_core::closing::{Closed, HandOver, OpenPoints};
+use hallsweep_core::closing::{Closed, OpenPoints};
 use hallsweep_core::command::{Hot, Note, Verdict};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::refused::Refused;
@@ -115,7 +115,7 @@ impl Language {
                 note.as_ref().map_or_else(|| say.clone(), |note| say.clone().with("note", note))
             }
             Fact::Closed(closed) => return self.closed(closed),
-            Fact::HandedOver { who, over: HandOver { to, note } } => {
+            Fact::HandedOver { who, to, note } => {
                 let said = self.say("fact-handed-over").with("to", to).with("who", who).to_string();
                 return self.with_remarks(said, Hot::NONE, note.as_ref());
             }

@@ -41,6 +41,7 @@ impl Language {
             Refused::OpenPoints { mission, open } => {
                 say().with("open", self.open_points(**open).join(", ")).with("code", format!("{:?}", open.code(*mission)))
             }
+            Refused::OtherMission(mission) => say().with("mission", mission),
             Refused::AreaTooLarge(most) => say().with("most", most),
             Refused::OtherContent(id) => say().with("id", id.text()),
             Refused::UnknownSensor(sensor) => say().with("sensor", format!("{sensor:?}")),

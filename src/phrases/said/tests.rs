@@ -8,10 +8,11 @@ use crate::phrases::Language;
 use behaviour_trees::state::StateError;
 use hallsweep_core::asked::Asked;
 use hallsweep_core::bomb_size::BombSize;
-use hallsweep_core::closing::{Closed, Closing, HandOver, OpenPoints};
+use hallsweep_core::closing::{Closed, Closing, OpenPoints};
 use hallsweep_core::command::{
     Command, Door, Hot, HotAnswer, Issuer, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict,
 };
+use hallsweep_core::hand_over::HandOver;
 use hallsweep_core::hold::{Hold, HoldReason};
 use hallsweep_core::not_fetched::{AloneFault, Fetcher, NotFetched, StuckFault};
 use hallsweep_core::pair::{RetrievalFault, Saying};
@@ -90,7 +91,7 @@ fn commands() {
         }));
         let closing = Closing { name: Note::new("Anna Rossi").unwrap(), note: note.clone(), seen: "7:1,0,0,0,0,0".into() };
         commands.push(Command::Close(closing));
-        commands.push(Command::HandOver(HandOver { to: Note::new("police").unwrap(), note: note.clone() }));
+        commands.push(Command::HandOver(HandOver { mission: None, to: Note::new("police").unwrap(), note: note.clone() }));
         commands.push(Command::Unsure { luggage, note, hot: Hot { typical: Some(HotAnswer::No), ..Hot::NONE } });
     }
     let many = Asked::Many { last: Box::new(Asked::Command(Command::Start)), more: 4 };
@@ -223,7 +224,7 @@ fn the_journal() {
         Fact::MissionArchived(MissionId(2), vec![ID]),
         Fact::MissionArchived(MissionId(2), Vec::new()),
         Fact::Unsure { luggage: ID, who: "anna".into(), note: Note::new("a shadow"), hot: Hot::NONE },
-        Fact::HandedOver { who: "anna".into(), over: HandOver { to: Note::new("police").unwrap(), note: Note::new("copy") } },
+        Fact::HandedOver { who: "anna".into(), to: Note::new("police").unwrap(), note: Note::new("copy") },
         Fact::SearchAgain(Bounds { least: Cell::HOME, most: CELL }),
         closed(None, OpenPoints::default()),
         closed(

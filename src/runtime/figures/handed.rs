@@ -189,10 +189,11 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use hallsweep_core::closing::{Closing, HandOver};
+    use hallsweep_core::closing::Closing;
     use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Note, Strategy, TemperatureReport};
     use hallsweep_core::engine::Engine;
     use hallsweep_core::event::Photo;
+    use hallsweep_core::hand_over::HandOver;
     use hallsweep_core::refused::{Refusal, RefusalKind};
     use hallsweep_core::settings::Settings;
     use hallsweep_core::state::fact::Entry;
@@ -332,7 +333,7 @@ mod tests {
             Command::Retrieve(None),
             Command::Reset,
             Command::Close(Closing { name: Note::new("Anna").expect("a sound name"), note: None, seen: "".into() }),
-            Command::HandOver(HandOver { to: Note::new("police").expect("a sound name"), note: None }),
+            Command::HandOver(HandOver { mission: None, to: Note::new("police").expect("a sound name"), note: None }),
             Command::SearchAgain(Bounds::of(Cell::HOME)),
             Command::Move(Move::Forward),
             Command::Goto(Cell::HOME),

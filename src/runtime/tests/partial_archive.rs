@@ -113,7 +113,7 @@ impl<A: PartialArchive> Archive for A {
     fn hand_overs(&self, mission: MissionId, span: Span, most: usize) -> Result<Vec<Happened>, Unreadable> {
         let all = Archive::entries(self, mission, span, usize::MAX)?.into_iter();
         let handed_over = |entry: &Entry| matches!(entry.fact, Fact::HandedOver { .. });
-        Ok(all.filter(|(_, entry)| entry.as_ref().is_ok_and(handed_over)).take(most).collect())
+        Ok(all.filter(|(_, entry)| entry.as_ref().map_or(true, handed_over)).take(most).collect())
     }
 
     fn lost_after(&self) -> Result<Option<Seq>, Unreadable> {

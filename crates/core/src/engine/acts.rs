@@ -7,6 +7,7 @@ use std::sync::Arc;
 use super::Engine;
 use crate::closing::Closed;
 use crate::effect::Effect;
+use crate::hand_over::HandOver;
 use crate::hold::{Hold, HoldReason, Holds};
 use crate::mission::{Act, Input, InputContext};
 use crate::robot::RobotId;
@@ -298,10 +299,11 @@ impl Engine {
         self.record(Fact::Closed(Box::new(Closed { who, name, note, open, wall: self.now.wall })));
     }
 
-    /// Records to whom the mission is handed over. The digest of this entry is the code of the receipt.
+    /// Records to whom the mission is handed over. Nothing follows from it.
     fn hand_over(&mut self, context: &InputContext) {
-        let (Some(over), Some(issuer)) = (&context.over, &context.issuer) else { return };
-        self.record(Fact::HandedOver { who: Arc::clone(&issuer.who), over: over.clone() });
+        let (Some(HandOver { to, note, .. }), Some(issuer)) = (&context.hand_over, &context.issuer) else { return };
+        // Over CoAP, which has no keys, the name alone would say too little.
+        self.record(Fact::HandedOver { who: issuer.to_string().into(), to: to.clone(), note: note.clone() });
     }
 
     /// Notes the searched cells of an area, and makes the robot choose its next goal among them.

@@ -69,7 +69,11 @@ impl Engine {
         let forbids = |yes: bool, refused: Refused| yes.then_some(refused);
         match guard {
             Guard::Held => self.held(self.state.holds.standing_against_start()),
-            Guard::NoMission => forbids(!self.state.under_way, Refused::NotInPhase(phase.name())),
+            Guard::NoMission if !self.state.under_way => Some(Refused::NotInPhase(phase.name())),
+            Guard::NoMission => {
+                let named = context.hand_over.as_ref().and_then(|hand_over| hand_over.mission);
+                forbids(named.is_some_and(|named| named != self.state.mission), Refused::OtherMission(self.state.mission))
+            }
             Guard::NotInPhase => Some(Refused::NotInPhase(phase.name())),
             Guard::VerdictAwaited => self.verdict_awaited(phase, input).map(Refused::VerdictPending),
             Guard::VerdictPending => self.first_pending(false).map(Refused::VerdictPending),

@@ -13,10 +13,11 @@ mod temperature;
 use std::time::Duration;
 
 use super::*;
-use crate::closing::{Closing, HandOver};
+use crate::closing::Closing;
 use crate::command::{Command, Door, Issuer, LuggageRef, Move, Note, TemperatureReport, Verdict};
 use crate::effect::Action;
 use crate::event::{Capabilities, Obstacle, RobotEvent};
+use crate::hand_over::HandOver;
 use crate::hold::{Hold, Holds};
 use crate::phase::{FaultCause, PhaseName};
 use crate::robot::Parts;
@@ -117,7 +118,7 @@ fn command(input: Input) -> Option<Command> {
         Input::Danger => Command::Verdict { luggage, verdict: Verdict::Danger, note: None, hot: Default::default() },
         Input::Unsure => Command::Unsure { luggage, note: None, hot: Default::default() },
         Input::Close => Command::Close(Closing { name: Note::new("Anna Rossi")?, note: None, seen: "".into() }),
-        Input::HandOver => Command::HandOver(HandOver { to: Note::new("police")?, note: None }),
+        Input::HandOver => Command::HandOver(HandOver { mission: None, to: Note::new("police")?, note: None }),
         Input::SearchAgain => Command::SearchAgain(Bounds { least: Cell::HOME, most: Cell::new(1, 0) }),
         Input::TemperatureOk => Command::Temperature(TemperatureReport::Ok),
         Input::TemperatureTooHigh => Command::Temperature(TemperatureReport::TooHigh),

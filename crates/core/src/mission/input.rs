@@ -3,9 +3,10 @@
 
 use std::sync::Arc;
 
-use crate::closing::{Closing, HandOver};
+use crate::closing::Closing;
 use crate::command::{Command, CommandId, Hot, Issuer, LuggageRef, Move, Note, OPERATOR, Strategy, TemperatureReport, Verdict};
 use crate::event::{Obstacle, Photo};
+use crate::hand_over::HandOver;
 use crate::hold::HoldReason;
 use crate::phase::FaultCause;
 use crate::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
@@ -88,7 +89,7 @@ pub(crate) struct InputContext {
     pub(crate) note: Option<Note>,
     pub(crate) hot: Hot,
     pub(crate) closing: Option<Closing>,
-    pub(crate) over: Option<HandOver>,
+    pub(crate) hand_over: Option<HandOver>,
     pub(crate) step: Option<Move>,
     pub(crate) cell: Option<Cell>,
     pub(crate) area: Option<Bounds>,
@@ -117,7 +118,7 @@ impl InputContext {
             Command::Retrieve(luggage) => (Input::Retrieve, InputContext { luggage: *luggage, ..context }),
             Command::Reset => (Input::Reset, context),
             Command::Close(closing) => (Input::Close, InputContext { closing: Some(closing.clone()), ..context }),
-            Command::HandOver(over) => (Input::HandOver, InputContext { over: Some(over.clone()), ..context }),
+            Command::HandOver(over) => (Input::HandOver, InputContext { hand_over: Some(over.clone()), ..context }),
             Command::SearchAgain(area) => (Input::SearchAgain, InputContext { area: Some(*area), ..context }),
             Command::Move(step) => (Input::Move, InputContext { step: Some(*step), ..context }),
             Command::Goto(cell) => (Input::Goto, InputContext { cell: Some(*cell), ..context }),

@@ -4,8 +4,8 @@
 use std::fmt::Display;
 
 use crate::asked::Asked;
-use crate::closing::{Closed, HandOver};
-use crate::command::{Command, Hot, Verdict};
+use crate::closing::Closed;
+use crate::command::{Command, Hot, Note, Verdict};
 use crate::hold::Hold;
 use crate::refused::Refused;
 use crate::settings::{AfterDanger, HotRule, Rules, SafeBy};
@@ -72,27 +72,27 @@ fn said(fact: &Fact) -> String {
         }
         Fact::Luggage { record, .. } => luggage(record),
         Fact::Verdict { luggage, verdict, who, note, hot } => {
-            let note = note.as_ref().map(|note| format!(" (note: {note})")).unwrap_or_default();
+            let note = Note::in_brackets(note.as_ref());
             format!("verdict on luggage #{luggage}: {}, by {who}{}{note}", verdict.name(), answers(*hot))
         }
         Fact::Unsure { luggage, who, note, hot } => {
-            let note = note.as_ref().map(|note| format!(" (note: {note})")).unwrap_or_default();
+            let note = Note::in_brackets(note.as_ref());
             format!("unsure about luggage #{luggage}, by {who}{}{note}", answers(*hot))
         }
         Fact::Judged(judgement) => {
             let Judgement { luggage, verdict, issuer, note, hot, .. } = &**judgement;
-            let note = note.as_ref().map(|note| format!(" (note: {note})")).unwrap_or_default();
+            let note = Note::in_brackets(note.as_ref());
             format!("answer kept back until now: luggage #{luggage} {}, by {issuer}{}{note}", verdict.name(), answers(*hot))
         }
         Fact::SearchAgain(area) => format!("to be searched again: {} to {}", area.least, area.most),
         Fact::Closed(closed) => {
             let Closed { who, name, note, open, .. } = &**closed;
-            let note = note.as_ref().map(|note| format!(" (note: {note})")).unwrap_or_default();
+            let note = Note::in_brackets(note.as_ref());
             format!("mission closed by {name}, key {who}{note}; open points: {open}")
         }
-        Fact::HandedOver { who, over: HandOver { to, note } } => {
-            let note = note.as_ref().map(|note| format!(" (note: {note})")).unwrap_or_default();
-            format!("handed over to {to}, by {who}{note}")
+        Fact::HandedOver { who, to, note } => {
+            let note = Note::in_brackets(note.as_ref());
+            format!("mission handed over to {to}, by {who}{note}")
         }
         Fact::Temperature(source, celsius) => format!("temperature {celsius}, by {source}"),
         Fact::ThermometerSilent(source) => format!("the thermometer of {source} fell silent"),

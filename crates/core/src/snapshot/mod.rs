@@ -148,6 +148,14 @@ pub struct TimeLeft {
     pub most: Option<Duration>,
 }
 
+impl MissionView {
+    /// Whether a mission has begun and is not archived. A robot may move by hand, or fail, before the first mission.
+    #[must_use]
+    pub fn is_under_way(&self) -> bool {
+        self.phase != PhaseName::Idle && self.interrupted != Some(PhaseName::Idle)
+    }
+}
+
 impl Progress {
     /// Returns 100 when nothing is left to search. Before that, it returns `None`, because nobody knows how large the
     /// hall is.

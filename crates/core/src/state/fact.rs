@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::{Conditions, PersistentState, Phase, Retrieval};
 use crate::asked::Asked;
-use crate::closing::{Closed, HandOver};
+use crate::closing::Closed;
 use crate::command::{CommandId, Hot, Issuer, Note, Strategy, Verdict};
 use crate::event::Photo;
 use crate::hold::Hold;
@@ -91,10 +91,12 @@ pub enum Fact {
     Judged(Box<Judgement>),
     /// The person in charge has closed the mission.
     Closed(Box<Closed>),
-    /// The sender has handed over the mission and its record.
+    /// The mission and its record were handed over to this person or office.
     HandedOver {
+        /// The sender with door and address, such as `operator (http, 192.0.2.7)`.
         who: Arc<str>,
-        over: HandOver,
+        to: Note,
+        note: Option<Note>,
     },
     /// The robot has to visit the searched cells of this area once more.
     SearchAgain(Bounds),

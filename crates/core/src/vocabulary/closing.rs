@@ -1,5 +1,5 @@
-//! The end of a search as the person in charge states it, what is left open then, and the hand-over to somebody else.
-//! Nobody can say that there is no bomb, so a mission ends with a signed statement.
+//! The end of a search as the person in charge states it, and what is left open then. Nobody can say that there is no
+//! bomb, so a mission ends with a signed statement.
 
 use std::fmt;
 use std::sync::Arc;
@@ -25,13 +25,6 @@ pub struct Closed {
     pub note: Option<Note>,
     pub open: OpenPoints,
     pub wall: WallTime,
-}
-
-/// To whom the sender hands over the mission and its record.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct HandOver {
-    pub to: Note,
-    pub note: Option<Note>,
 }
 
 /// Numbers of what is left open in a mission.

@@ -4,7 +4,8 @@
 use std::sync::Arc;
 
 use crate::bomb_size::BombSize;
-use crate::closing::{Closing, HandOver};
+use crate::closing::Closing;
+use crate::hand_over::HandOver;
 use crate::units::{AlarmId, Bounds, Cell, Celsius, Epoch, LuggageId};
 use crate::words::is_visible;
 
@@ -76,7 +77,6 @@ pub enum Command {
     Reset,
     /// The person in charge states that the search is over.
     Close(Closing),
-    /// The sender hands the mission and its record over to somebody else.
     HandOver(HandOver),
     /// Visit all searched cells of this area once more.
     SearchAgain(Bounds),
@@ -172,7 +172,7 @@ impl Command {
             }
             Command::Retrieve(Some(id)) => Carries::Luggage(*id),
             Command::Close(closing) => Carries::Closing(closing),
-            Command::HandOver(over) => Carries::HandOver(over),
+            Command::HandOver(hand_over) => Carries::HandOver(hand_over),
             Command::SearchAgain(area) => Carries::Area(*area),
             Command::Move(step) => Carries::Move(*step),
             Command::Goto(cell) => Carries::Cell(*cell),
@@ -238,13 +238,9 @@ impl std::fmt::Display for Command {
             Command::Retrieve(Some(id)) => write!(f, "RETRIEVE #{id}"),
             Command::Reset => f.write_str("RESET"),
             Command::Close(Closing { name, note, .. }) => {
-                write!(f, "close, by {name}")?;
-                note.as_ref().map_or(Ok(()), |note| write!(f, " (note: {note})"))
+                write!(f, "close, by {name}{}", Note::in_brackets(note.as_ref()))
             }
-            Command::HandOver(HandOver { to, note }) => {
-                write!(f, "hand over, to {to}")?;
-                note.as_ref().map_or(Ok(()), |note| write!(f, " (note: {note})"))
-            }
+            Command::HandOver(HandOver { to, note, .. }) => write!(f, "hand over to {to}{}", Note::in_brackets(note.as_ref())),
             Command::SearchAgain(area) => write!(f, "search again {} to {}", area.least, area.most),
             Command::Move(step) => write!(f, "move {}", step.in_words()),
             Command::Goto(cell) => write!(f, "goto {cell}"),
@@ -279,7 +275,7 @@ fn write_answer(
     if !hot.is_empty() {
         write!(f, " ({hot})")?;
     }
-    note.map_or(Ok(()), |note| write!(f, " (note: {note})"))
+    f.write_str(&Note::in_brackets(note))
 }
 
 named! {
@@ -400,6 +396,12 @@ impl Note {
     #[must_use]
     pub fn text(&self) -> &str {
         &self.0
+    }
+
+    /// Formats a note behind a sentence, as ` (note: red)`. Returns an empty text if there is none.
+    #[must_use]
+    pub fn in_brackets(note: Option<&Note>) -> String {
+        note.map(|note| format!(" (note: {note})")).unwrap_or_default()
     }
 }
 

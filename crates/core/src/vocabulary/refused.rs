@@ -91,6 +91,9 @@ pub enum Refused {
     /// Whoever closes a mission must have seen what is left open.
     #[error("open points: {open}; to close the mission with them, send openPoints {:?}", .open.code(*.mission))]
     OpenPoints { mission: MissionId, open: Box<OpenPoints> },
+    /// The sender may have looked at an earlier mission.
+    #[error("mission {0} is under way now: look again, then name that one")]
+    OtherMission(MissionId),
     #[error("no searched cell lies in this area: name two corners of an area that the robot has searched")]
     NothingSearched,
     #[error("too many cells: at most {0} can wait to be searched again")]
@@ -130,7 +133,7 @@ pub struct Refusal {
 
 /// Every code with its kind, for refusals that are read back. A test of an interface compares this list with the
 /// variants. The code of `NotOnRecord` is missing, because no command is answered with it.
-pub const CODES: [(&str, RefusalKind); 33] = {
+pub const CODES: [(&str, RefusalKind); 34] = {
     use RefusalKind::{Conflict, Forbidden, Mismatch, Unavailable, Unknown};
     [
         ("held", Conflict),
@@ -158,6 +161,7 @@ pub const CODES: [(&str, RefusalKind); 33] = {
         ("fetcherUnreached", Conflict),
         ("fetcherAbroad", Conflict),
         ("openPoints", Conflict),
+        ("otherMission", Conflict),
         ("nothingSearched", Conflict),
         ("areaTooLarge", Conflict),
         ("faultStands", Conflict),
@@ -201,6 +205,7 @@ impl Refused {
             | Refused::FetcherUnreached(_)
             | Refused::FetcherAbroad(_)
             | Refused::OpenPoints { .. }
+            | Refused::OtherMission(_)
             | Refused::NothingSearched
             | Refused::AreaTooLarge(_)
             | Refused::FaultStands(_) => RefusalKind::Conflict,
@@ -236,6 +241,7 @@ impl Refused {
             Refused::FetcherUnreached(_) => "fetcherUnreached",
             Refused::FetcherAbroad(_) => "fetcherAbroad",
             Refused::OpenPoints { .. } => "openPoints",
+            Refused::OtherMission(_) => "otherMission",
             Refused::NothingSearched => "nothingSearched",
             Refused::AreaTooLarge(_) => "areaTooLarge",
             Refused::FaultStands(_) => "faultStands",

@@ -14,7 +14,7 @@ use behaviour_trees::Value as TreeValue;
 use hallsweep_core::arm::Parcel;
 use hallsweep_core::asked::Asked;
 use hallsweep_core::bomb_size::BombSize;
-use hallsweep_core::closing::{Closed, HandOver, OpenPoints};
+use hallsweep_core::closing::{Closed, OpenPoints};
 use hallsweep_core::command::{
     Command, CommandId, Hot, HotAnswer, Issuer, LuggageRef, Move, Note, Strategy as Order, TemperatureReport, Verdict,
 };
@@ -92,7 +92,7 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
             note
         }),
         closed().prop_map(|closed| Fact::Closed(Box::new(closed))),
-        (text(), name(), note()).prop_map(|(who, to, note)| Fact::HandedOver { who: who.into(), over: HandOver { to, note } }),
+        (text(), name(), note()).prop_map(|(who, to, note)| Fact::HandedOver { who: who.into(), to, note }),
         area().prop_map(Fact::SearchAgain),
         (text(), celsius()).prop_map(|(source, celsius)| Fact::Temperature(source.into(), celsius)),
         text().prop_map(|source| Fact::ThermometerSilent(source.into())),
@@ -265,6 +265,7 @@ fn refused() -> impl Strategy<Value = Refused> {
         1 => cell().prop_map(Refused::IntoObstacle),
         1 => (any::<u64>(), verdict()).prop_map(|(id, verdict)| Refused::Decided { luggage: LuggageId(id), verdict }),
         1 => any::<u64>().prop_map(|id| Refused::UnknownAlarm(AlarmId(id))),
+        1 => any::<u64>().prop_map(|id| Refused::OtherMission(MissionId(id))),
         1 => cause().prop_map(Refused::FaultStands),
         1 => command_id().prop_map(Refused::OtherContent),
         1 => text().prop_map(|name| Refused::UnknownSensor(name.into())),

@@ -36,6 +36,7 @@ pub(in crate::doors::http) struct Fields {
     radius: Option<String>,
     open: Option<String>,
     to: Option<String>,
+    mission: Option<String>,
 }
 
 /// The remarks of the operator beside a verdict. They come from the query of the confirmation page (`?note=…`).
@@ -79,8 +80,9 @@ impl Fields {
                 command::close(&one_line(name), note.as_deref(), needed("open", self.open.as_deref())?)?
             }
             "handOver" => {
+                let mission = self.mission.as_deref().map(|text| number("mission", text)).transpose()?;
                 let (to, note) = (needed("to", self.to.as_deref())?, self.note.as_deref().map(one_line));
-                command::hand_over(&one_line(to), note.as_deref())?
+                command::hand_over(&one_line(to), note.as_deref(), mission)?
             }
             "move" => command::move_word(needed("move", self.word.as_deref())?)?,
             "goto" => command::goto(whole("x", &self.x)?, whole("y", &self.y)?)?,
@@ -100,9 +102,10 @@ impl Fields {
         Ok((command, epoch))
     }
 
-    /// Returns the typed name and note of a statement about the mission.
-    pub(super) fn typed(&self) -> [String; 2] {
-        [self.name.as_ref().or(self.to.as_ref()), self.note.as_ref()].map(|typed| typed.cloned().unwrap_or_default())
+    /// Returns what was typed into the form of a statement about the mission: the person in charge, the person who takes
+    /// over, and the note.
+    pub(super) fn typed(&self) -> [String; 3] {
+        [&self.name, &self.to, &self.note].map(|typed| typed.clone().unwrap_or_default())
     }
 
     /// Returns the name of the place where the page shows a refusal: beside the pressed button.
@@ -203,6 +206,7 @@ mod tests {
             status: None,
             open: Some("1:0,0,3,0,0,0,0".to_owned()),
             to: Some("police".to_owned()),
+            mission: Some("7".to_owned()),
             size: Some(String::new()),
             radius: Some(" ".to_owned()),
             luggage: Some("3".to_owned()),

@@ -9,7 +9,7 @@ use axum::response::Html;
 use super::super::HttpDoor;
 use super::super::language::{PageReader, Spoken};
 use super::super::missions::{
-    MISSIONS, RECEIPTS, RecordedMission, after, before, handed_over, happened, newest, recorded, wanted,
+    MISSIONS, RECEIPTS, RecordedMission, after, before, happened, newest, receipts_after, recorded, wanted,
 };
 use super::super::problem::Problem;
 use super::super::query::Query;
@@ -18,9 +18,9 @@ use super::entrance::Entrance;
 use super::{hall, html};
 use crate::access::Need;
 use crate::api::luggage::photo_url;
-use crate::api::receipt::Receipt;
 use crate::api::time::{Zone, rfc3339};
 use crate::phrases::{Language, Phrase};
+use crate::report::receipt::Receipt;
 use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
 use hallsweep_core::command::Strategy;
 use hallsweep_core::phase::PhaseName;
@@ -72,10 +72,12 @@ pub(in crate::doors::http) async fn receipts(
     query: Query,
 ) -> Result<Html<String>, Problem> {
     query.only(&["after"])?;
-    let (receipts, next) = handed_over(&door, id, after(&query)?, RECEIPTS).await?;
+    let after = after(&query)?;
+    let (receipts, next) = receipts_after(&door, id, after, RECEIPTS).await?;
     let (mission, zone) = (MissionId(id), Zone::of(door.clock.now().wall));
-    let may_hand_over = caller.may(Need::Act).is_ok() && door.handle.snapshot().mission.id == mission;
-    Ok(html(&Receipts { language, mission, receipts, next, zone, may_hand_over }))
+    let present = &door.handle.snapshot().mission;
+    let may_hand_over = caller.may(Need::Act).is_ok() && present.is_under_way() && present.id == mission;
+    Ok(html(&Receipts { language, mission, after, receipts, next, zone, may_hand_over }))
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -146,10 +148,11 @@ struct One {
 struct Receipts {
     language: Language,
     mission: MissionId,
-    receipts: Vec<Receipt>,
+    after: Seq,
+    receipts: Vec<(Seq, Result<Receipt, Unreadable>)>,
     next: Option<Seq>,
     zone: Zone,
-    /// Whether the mission is the present one, and the reader may give commands.
+    /// Whether the mission is under way, and the reader may give commands.
     may_hand_over: bool,
 }
 

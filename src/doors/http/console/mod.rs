@@ -109,17 +109,17 @@ async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields
         }
         Ok(_) => Redirect::to("/").into_response(),
         Err(problem) if by_script => problem.told(spoken(headers)),
-        Err(problem) if ["close", "handOver"].contains(&act) => {
-            let language = PageReader::new(sender.caller.clone(), headers).language;
-            let page = if act == "close" { close_page } else { hand_over_page };
-            let page = page(&sender.door, language, problem.in_words(language), fields.typed());
+        Err(problem) => {
+            let to = PageReader::new(sender.caller.clone(), headers);
+            let (door, why, [name, receiver, note]) = (&sender.door, problem.in_words(to.language), fields.typed());
+            let page = match act {
+                "close" => close_page(door, to.language, why, [name, note]),
+                "handOver" => hand_over_page(door, to.language, why, [receiver, note]),
+                _ => return refused_page(door, &to, &fields.button(act), &problem).await,
+            };
             let mut response = (problem.status(), page).into_response();
             problem.tell_gate(&mut response);
             response
-        }
-        Err(problem) => {
-            let to = PageReader::new(sender.caller.clone(), headers);
-            refused_page(&sender.door, &to, &fields.button(act), &problem).await
         }
     };
     response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
@@ -170,7 +170,8 @@ pub(super) async fn confirm_hand_over(State(door): State<HttpDoor>, Spoken(langu
 
 /// The page that hands a mission over. After a refusal it shows the reason, and keeps what was typed.
 fn hand_over_page(door: &HttpDoor, language: Language, why: String, [to, note]: [String; 2]) -> Html<String> {
-    html(&parts::HandOverMission { language, mission: door.handle.snapshot().mission.id, why, to, note })
+    let mission = Some(&door.handle.snapshot().mission).filter(|mission| mission.is_under_way()).map(|mission| mission.id);
+    html(&parts::HandOverMission { language, mission, why, to, note })
 }
 
 async fn whole(door: &HttpDoor, to: &PageReader, why: Option<Why>) -> Html<String> {
@@ -200,7 +201,7 @@ mod tests {
     use hallsweep_core::command::{Command, LuggageRef, Move, Note, Verdict};
     use hallsweep_core::phase::PhaseName;
     use hallsweep_core::refused::Refused;
-    use hallsweep_core::units::{Cell, Epoch, LuggageId};
+    use hallsweep_core::units::{Cell, Epoch, LuggageId, MissionId};
     use hallsweep_core::world::hall_map::Bounds;
 
     const FORM: (&str, &str) = ("content-type", "application/x-www-form-urlencoded");
@@ -435,18 +436,25 @@ mod tests {
     async fn a_mission_is_handed_over_by_a_form_that_keeps_what_was_typed() {
         let app = app(searching());
         let page = app.page("/console/confirm/handOver").await;
-        assert!(page.contains("Hand mission 1 over") && page.contains("action=\"./console/handOver\""), "{page}");
-        let typed = "to=Police+%3Cb%3E&note=with%0Aphotos";
+        assert!(page.contains("<b>Mission 1</b>") && page.contains("action=\"./console/handOver\""), "{page}");
+        let typed = "to=Police+%3Cb%3E&note=with%0Aphotos&mission=1";
         let done = app.form("/console/handOver", typed).await;
         assert_eq!((done.status().as_u16(), &done.headers()["location"]), (303, &"/missions/1/receipts".parse().unwrap()));
         let Command::HandOver(over) = app.last().command else { panic!("{:?}", app.last()) };
         assert_eq!((over.to.text(), over.note.as_ref().map(Note::text)), ("Police <b>", Some("with photos")));
+        assert_eq!(over.mission, Some(MissionId(1)), "the mission that the page named");
         app.refuse(Refused::StoreDown);
         let refused = app.form("/console/handOver", typed).await;
         assert_eq!(refused.status(), 503);
         let page = text(refused).await;
         assert!(page.contains("role=\"alert\">the record cannot") && page.contains("value=\"Police &#60;b&#62;\""), "{page}");
         assert_eq!(app.form("/console/handOver", "to=+").await.status(), 422);
+        let none = super::super::testing::app(idle());
+        let page = none.page("/console/confirm/handOver").await;
+        assert!(
+            page.contains("No mission is under way") && !page.contains("<form method=\"post\" action=\"./console/handOver"),
+            "{page}"
+        );
     }
 
     #[tokio::test]

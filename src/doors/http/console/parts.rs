@@ -182,7 +182,8 @@ pub(super) struct CloseMission {
 #[template(path = "console/handing_over.html")]
 pub(super) struct HandOverMission {
     pub(super) language: Language,
-    pub(super) mission: MissionId,
+    /// The mission under way; `None` if there is none.
+    pub(super) mission: Option<MissionId>,
     /// Why the mission could not be handed over; empty before.
     pub(super) why: String,
     pub(super) to: String,

@@ -330,8 +330,12 @@ impl View<'_> {
             self.snapshot.mission.phase,
             PhaseName::AtHome | PhaseName::BombLocated | PhaseName::BagSecured | PhaseName::Explored | PhaseName::Fault
         );
-        // A robot may fail before the first mission.
-        rests && self.snapshot.mission.interrupted != Some(PhaseName::Idle) && self.then.is_none()
+        rests && self.may_hand_over()
+    }
+
+    /// Whether the mission can be handed over now.
+    pub(super) fn may_hand_over(&self) -> bool {
+        self.snapshot.mission.is_under_way() && self.then.is_none()
     }
 
     /// Returns who has closed the mission, and when.

@@ -7,8 +7,9 @@ use super::*;
 use crate::api::commands::COMMANDS;
 use crate::api::tests::fixture::{degrees, searching};
 use hallsweep_core::asked::Asked;
-use hallsweep_core::closing::{Closing, HandOver};
+use hallsweep_core::closing::Closing;
 use hallsweep_core::command::{LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
+use hallsweep_core::hand_over::HandOver;
 use hallsweep_core::refused::Refused;
 use hallsweep_core::units::{AlarmId, Cell, LuggageId};
 use hallsweep_core::world::hall_map::Bounds;
@@ -44,7 +45,11 @@ fn all_commands() -> Vec<(&'static str, &'static str, Command)> {
         ("reset", "", Command::Reset),
         ("close", r#"{"name":"Anna Rossi","openPoints":"7:1,0,0,0,0,0,0"}"#, closing("7:1,0,0,0,0,0,0")),
         ("close", r#"{"name":" Anna Rossi ","note":null}"#, closing("")),
-        ("handOver", r#"{"to":"police"}"#, Command::HandOver(HandOver { to: Note::new("police").unwrap(), note: None })),
+        (
+            "handOver",
+            r#"{"to":"police"}"#,
+            Command::HandOver(HandOver { mission: None, to: Note::new("police").unwrap(), note: None }),
+        ),
         ("searchAgain", r#"{"x":0,"y":0,"toX":0,"toY":0}"#, Command::SearchAgain(Bounds::of(Cell::HOME))),
         ("move", r#"{"move":"w"}"#, Command::Move(Move::Forward)),
         ("move", r#"{"move":"h"}"#, Command::Stop),

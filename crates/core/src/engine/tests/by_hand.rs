@@ -8,7 +8,8 @@ use crate::state::fact::Fact;
 use crate::world::hall_map::Mark;
 
 /// The commands that have a column in the tables below. The other commands are accepted in every phase and do not
-/// change the phase: OK, a reading, a sensor's reading, a hand-over and the acknowledgement of an alarm.
+/// change the phase: OK, a reading, a sensor's reading and the acknowledgement of an alarm. A hand-over is accepted in
+/// every phase while a mission is under way, as it is here.
 const COLUMNS: [Input; 16] = [
     Input::Start,
     Input::Stop,
@@ -285,6 +286,9 @@ fn check_effects(before: &Engine, after: &Engine, input: Input, table: &str, pai
         Input::Danger => assert_eq!(verdict, Some(Verdict::Danger), "{pair}"),
         Input::Unsure => assert_eq!(after.state.luggage[0].unsure.len(), 1, "{pair}"),
         Input::Close => assert!(after.state.closed.is_some(), "{pair}"),
+        Input::HandOver => {
+            assert_eq!((&before.state.luggage, was), (&after.state.luggage, is), "{pair}: nothing follows from it")
+        }
         Input::Acknowledge => assert!(after.state.alarms[0].acknowledged.is_some(), "{pair}"),
         Input::Reading | Input::SensorReading => assert!(after.world.thermometer.last.is_some(), "{pair}"),
         Input::RetakePhoto => assert_eq!(after.stage(), Some(Stage::RetakingPhoto(LuggageId(1))), "{pair}"),
