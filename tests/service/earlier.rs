@@ -26,6 +26,45 @@ fn copy_of(data: &str, name: &str) -> Folder {
     folder
 }
 
+fn serve(folder: &Folder) -> Command {
+    let serve = ["serve", "--http", "127.0.0.1:0", "--hall", "seed", "--seed", "7", "--speed", "max", "--data", folder.text()];
+    let mut command = hallsweep(&serve);
+    command.env("TZ", "UTC");
+    command
+}
+
+/// Output of a command that reads a data folder or an archive.
+fn said(data: &Path, arguments: &[&str]) -> String {
+    let output = hallsweep(arguments).arg("--data").arg(data).env("TZ", "UTC").output().expect("the program starts");
+    assert!(output.status.success(), "{output:?}");
+    String::from_utf8(output.stdout).expect("it speaks UTF-8")
+}
+
+/// Fails unless the command prints each line that the earlier version printed. It may print more lines after them.
+fn is_as_before(data: &Path, arguments: &[&str], file: &str) {
+    let then = std::fs::read_to_string(kept(file)).expect("it was kept");
+    let now = said(data, arguments);
+    let differ = now.lines().zip(then.lines()).find(|(now, then)| now != then);
+    assert_eq!(differ, None, "each line of {file} as it was");
+    assert!(now.lines().count() >= then.lines().count(), "{file}");
+}
+
+/// Fails unless a report of the earlier version agrees with this data folder or archive.
+fn is_confirmed(data: &Path, report: &str) {
+    let report = kept(report);
+    let said = said(data, &["journal", "check", "--report", report.to_str().expect("a plain name")]);
+    assert!(said.contains("is confirmed"), "{said}");
+}
+
+/// Waits until the state shows everything that the earlier version showed, compares the missions, and returns the state.
+fn shows_as_much(program: &Program, file: &str) -> Value {
+    let then: Value = serde_json::from_slice(&std::fs::read(kept(file)).expect("it was kept")).expect("it is JSON");
+    let state = program.until("what it showed", |state| says_as_much(&without_revisions(state), &then["state"]));
+    let missions = program.json("missions");
+    assert!(says_as_much(&missions["missions"], &then["missions"]), "{missions:#}");
+    state
+}
+
 /// Removes the revisions and the run, which differ at each start.
 fn without_revisions(value: &Value) -> Value {
     match value {
@@ -56,24 +95,14 @@ fn the_journal_of_an_earlier_version_is_sound_and_reads_as_it_did() {
     let folder = copy("earlier-journal");
     let (well, said) = journal(&folder, &["check"]);
     assert!(well, "{said}");
-    let arguments = ["journal", "--data", folder.text(), "export"];
-    let output = hallsweep(&arguments).env("TZ", "UTC").output().expect("the program starts");
-    let then = std::fs::read_to_string(kept("journal.jsonl")).expect("it was kept");
-    let now = String::from_utf8(output.stdout).expect("it speaks UTF-8");
-    let differ = now.lines().zip(then.lines()).find(|(now, then)| now != then);
-    assert_eq!(differ, None, "each line as it was");
-    assert_eq!(now.lines().count(), then.lines().count());
+    is_as_before(folder.path(), &["journal", "export"], "journal.jsonl");
 }
 
 #[test]
 fn a_data_folder_of_an_earlier_version_shows_what_it_showed_and_goes_on() {
     let folder = copy("earlier-data");
-    let serve = ["serve", "--http", "127.0.0.1:0", "--hall", "seed", "--seed", "7", "--speed", "max", "--strategy", "scored"];
-    let program = Program::started(hallsweep(&serve).args(["--data", folder.text()]).env("TZ", "UTC"));
-    let then: Value = serde_json::from_slice(&std::fs::read(kept("shown.json")).expect("it was kept")).expect("it is JSON");
-    let state = program.until("what it showed", |state| says_as_much(&without_revisions(state), &then["state"]));
-    let missions = program.json("missions");
-    assert!(says_as_much(&missions["missions"], &then["missions"]), "{missions:#}");
+    let program = Program::started(serve(&folder).args(["--strategy", "scored"]));
+    let state = shows_as_much(&program, "shown.json");
     assert!((1..=4).all(|number| program.read(&format!("/api/v1/luggage/{number}/photo"), &[]).status == 200));
 
     program.command("start").accepted();
@@ -94,10 +123,8 @@ fn a_data_folder_of_an_earlier_version_shows_what_it_showed_and_goes_on() {
 #[test]
 fn reports_of_every_edition_are_confirmed() {
     let folder = copy_of("reported/data", "earlier-reported");
-    for report in ["en.html", "it.html"] {
-        let path = kept("reported").join(report);
-        let (well, said) = journal(&folder, &["check", "--report", path.to_str().expect("a plain name")]);
-        assert!(well && said.contains("is confirmed"), "{said}");
+    for report in ["reported/en.html", "reported/it.html"] {
+        is_confirmed(folder.path(), report);
     }
 }
 
@@ -106,27 +133,15 @@ fn reports_of_every_edition_are_confirmed() {
 #[test]
 fn sentences_of_an_earlier_version_say_what_they_said() {
     let folder = copy_of("sentences/data", "earlier-sentences");
-    let sentences = kept("sentences");
-    let said = |arguments: &[&str]| {
-        let output = hallsweep(arguments).args(["--data", folder.text()]).env("TZ", "UTC").output().expect("the program starts");
-        String::from_utf8(output.stdout).expect("it speaks UTF-8")
-    };
-    let is_as_before = |arguments: &[&str], file: &str| {
-        let then = std::fs::read_to_string(sentences.join(file)).expect("it was kept");
-        let now = said(arguments);
-        let differ = now.lines().zip(then.lines()).find(|(now, then)| now != then);
-        assert_eq!(differ, None, "each line of {file} as it was");
-        assert!(now.lines().count() >= then.lines().count(), "{file}");
-    };
-    is_as_before(&["journal", "print"], "journal.txt");
-    is_as_before(&["journal", "export"], "journal.jsonl");
+    let data = folder.path();
+    is_as_before(data, &["journal", "print"], "sentences/journal.txt");
+    is_as_before(data, &["journal", "export"], "sentences/journal.jsonl");
     for mission in ["1", "2"] {
         let arguments = ["report", mission, "--format", "csv", "--language", "it"];
-        is_as_before(&arguments, &format!("mission-{mission}.it.csv"));
+        is_as_before(data, &arguments, &format!("sentences/mission-{mission}.it.csv"));
     }
 
-    let serve = ["serve", "--http", "127.0.0.1:0", "--hall", "seed", "--seed", "7", "--speed", "max", "--data", folder.text()];
-    let program = Program::started(hallsweep(&serve).env("TZ", "UTC"));
+    let program = Program::started(&mut serve(&folder));
     program.until("it is linked", |state| !state["mission"]["holds"].to_string().contains("robotLink"));
     program.command("stop").accepted();
     let torn = program.post_with("/api/v1/commands/goto", &[("content-type", "application/json")], "{");
@@ -137,11 +152,9 @@ fn sentences_of_an_earlier_version_say_what_they_said() {
     drop(program);
     let (well, checked) = journal(&folder, &["check"]);
     assert!(well, "{checked}");
-    is_as_before(&["journal", "export"], "journal.jsonl");
-    assert!(said(&["journal", "export"]).contains(r#""refused":{"code":"malformed","words":"the body is not JSON"#));
-    for report in ["en.html", "it.html"] {
-        let path = sentences.join(report);
-        let (well, said) = journal(&folder, &["check", "--report", path.to_str().expect("a plain name")]);
-        assert!(well && said.contains("is confirmed"), "{said}");
+    is_as_before(data, &["journal", "export"], "sentences/journal.jsonl");
+    assert!(said(data, &["journal", "export"]).contains(r#""refused":{"code":"malformed","words":"the body is not JSON"#));
+    for report in ["sentences/en.html", "sentences/it.html"] {
+        is_confirmed(data, report);
     }
 }
