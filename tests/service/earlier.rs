@@ -1,5 +1,7 @@
 //! Safety R1: the data folder of an earlier version opens, shows what that version showed, and can be continued.
 
+use std::fs::Permissions;
+use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -23,6 +25,15 @@ fn copy_of(data: &str, name: &str) -> Folder {
     let folder = Folder::new(name);
     let copied = Command::new("cp").arg("-r").arg(kept(data).join(".")).arg(folder.path()).status();
     assert!(copied.expect("cp is there").success());
+    folder
+}
+
+/// Folder of a version in which no judge could be unsure. It has keys, and a piece that waits for its verdict.
+fn waiting(name: &str) -> Folder {
+    let folder = copy_of("waiting/data", name);
+    // The repository keeps no modes, and keys that others may read are refused.
+    let private = Permissions::from_mode(0o600);
+    std::fs::set_permissions(folder.path().join("access.toml"), private).expect("the file of the keys is there");
     folder
 }
 
@@ -157,4 +168,64 @@ fn sentences_of_an_earlier_version_say_what_they_said() {
     for report in ["sentences/en.html", "sentences/it.html"] {
         is_confirmed(data, report);
     }
+}
+
+/// Today's state and missions have further fields, so both are compared by `says_as_much`. The export of these entries
+/// has no further fields.
+#[test]
+fn keys_archive_reports_and_a_piece_that_waits_are_as_an_earlier_version_left_them() {
+    let folder = waiting("earlier-waiting");
+    let archive = kept("waiting/archived.hallsweep");
+    let (well, checked) = journal(&folder, &["check", "--archive", archive.to_str().expect("a plain name")]);
+    assert!(well && checked.contains("archives compared with the journal: 1: all is well"), "{checked}");
+    is_as_before(folder.path(), &["journal", "export"], "waiting/journal.jsonl");
+    is_confirmed(folder.path(), "waiting/2.en.html");
+    is_confirmed(&archive, "waiting/1.it.html");
+
+    let program = Program::started(&mut serve(&folder));
+    shows_as_much(&program, "waiting/shown.json");
+    assert!((1..=3).all(|number| program.read(&format!("/api/v1/luggage/{number}/photo"), &[]).status == 200));
+    drop(program);
+
+    let program = Program::started(serve(&folder).env("HALLSWEEP__HTTP__REQUIRE_TOKEN", "true"));
+    let keys = std::fs::read_to_string(kept("waiting/data/access.toml")).expect("it was kept");
+    let tokens = keys.lines().filter_map(|line| line.strip_prefix("token = \"")?.strip_suffix('"'));
+    let retrieve = |token| program.post_with("/api/v1/commands/retrieve", &[("authorization", &format!("Bearer {token}"))], "");
+    let answers: Vec<u16> = tokens.map(|token| retrieve(token).status).collect();
+    assert_eq!(answers, [409, 409, 409, 403], "three operators, who cannot fetch anything now, and a viewer");
+}
+
+#[test]
+fn a_piece_that_waited_in_an_earlier_version_gets_answers_that_it_lacked() {
+    let folder = waiting("earlier-answers");
+    let program = Program::started(&mut serve(&folder));
+    program.until("it is linked", |state| !state["mission"]["holds"].to_string().contains("robotLink"));
+    let say = |piece: u64, answer: &str| program.post(&format!("/api/v1/luggage/{piece}/verdict"), answer).accepted();
+    say(3, r#"{"verdict":"unsure","note":"a shadow","hidden":"cannotSay"}"#);
+    program.command("start").accepted();
+    program.until("photos from two other places", |state| {
+        state["luggage"][0]["photo"]["take"] == 3 && state["mission"]["refusals"]["retake"].is_null()
+    });
+    say(3, r#"{"verdict":"danger","size":"suitcase","hidden":"yes","obvious":"no","typical":"no"}"#);
+    program.until_phase("bombLocated");
+    program.command("goOn").accepted();
+    assert_eq!(program.until_asked(), 4, "the search went on");
+    say(4, r#"{"verdict":"safe","hidden":"no","obvious":"no","typical":"yes"}"#);
+    program.until_phase("bombLocated");
+    let open = program.post("/api/v1/commands/close", r#"{"name":"Anna Rossi"}"#).problem(409);
+    let seen = open.split("openPoints ").nth(1).expect("the refusal has the text to send");
+    program.post("/api/v1/commands/close", &format!(r#"{{"name":"Anna Rossi","openPoints":{seen}}}"#)).accepted();
+    let shown = |program: &Program| ["mission", "luggage"].map(|part| program.json("state")[part].clone());
+    let [mission, luggage] = shown(&program);
+    drop(program);
+
+    let [after, luggage_after] = shown(&Program::started(&mut serve(&folder)));
+    assert_eq!((&after["closed"], &after["closed"]["name"]), (&mission["closed"], &"Anna Rossi".into()));
+    assert_eq!(luggage_after, luggage);
+    let bomb = &luggage[0];
+    assert_eq!((&bomb["decided"]["mandatoryM"], &bomb["unsure"][0]["note"]), (&46.into(), &"a shadow".into()), "{bomb}");
+    let (well, checked) = journal(&folder, &["check"]);
+    assert!(well, "{checked}");
+    is_as_before(folder.path(), &["journal", "export"], "waiting/journal.jsonl");
+    is_confirmed(folder.path(), "waiting/2.en.html");
 }
