@@ -19,6 +19,9 @@ const PAPER: Paint = Paint(18.0, 22.0, 28.0);
 const TEXT: Paint = Paint(240.0, 242.0, 245.0);
 const TIME: Paint = Paint(250.0, 204.0, 80.0);
 
+/// The word on every photo of an exercise.
+const EXERCISE: &str = "EXERCISE";
+
 /// The space beside the text, in pixels.
 const MARGIN: usize = 8;
 
@@ -27,6 +30,14 @@ pub(super) fn draw(canvas: &mut Canvas, hall: &Hall, stamp: Stamp) {
     let name: String = hall.name().chars().take(22).collect();
     let width = name.chars().count() * font::ADVANCE * DOT;
     write(canvas, &name, (WIDTH - MARGIN - width, HEIGHT - BAR + 28), TEXT);
+    if hall.is_exercise() {
+        let left = WIDTH - 2 * MARGIN - EXERCISE.len() * font::ADVANCE * DOT;
+        // In a very wide hall, the words on the left would reach this far.
+        for column in left..WIDTH {
+            (HEIGHT - BAR..HEIGHT - BAR + 24).for_each(|row| canvas.paint(column, row, PAPER));
+        }
+        write(canvas, EXERCISE, (left + MARGIN, HEIGHT - BAR + 8), TIME);
+    }
 }
 
 /// Draws the bar under a plan. Unlike the bar of a photo, it has no hall name.

@@ -10,6 +10,8 @@ use super::space::{Paint, Vector, vector};
 const RUBBER: Paint = Paint(34.0, 34.0, 37.0);
 const STEEL: Paint = Paint(176.0, 180.0, 186.0);
 const BRASS: Paint = Paint(220.0, 182.0, 84.0);
+const RED_WIRE: Paint = Paint(226.0, 32.0, 32.0);
+const YELLOW_WIRE: Paint = Paint(250.0, 214.0, 40.0);
 const LABEL: Paint = Paint(240.0, 240.0, 236.0);
 
 #[derive(Debug)]
@@ -17,6 +19,37 @@ pub(super) struct Model {
     pub(super) solids: Vec<Solid>,
     /// Half the size of the model's footprint on the floor: to the right, to the front.
     pub(super) foot: (f32, f32),
+}
+
+/// Adds the device of a test piece: a taped pipe, a small box and two wires between them. It is on both broad sides, so
+/// from the narrow sides it may be hidden.
+pub(super) fn add_device(model: &mut Model) {
+    for side in [-1.0, 1.0_f32] {
+        let depth = model.solids.iter().map(|solid| reach(&solid.shape, side)).fold(0.0, f32::max);
+        let y = side * (depth + 0.03);
+        let mut add = |shape, surface, paint| model.solids.push(Solid { shape, surface, paint });
+        let pipe = |from: f32, to: f32, radius| Shape::Rod { from: vector(from, y, 0.2), to: vector(to, y, 0.2), radius };
+        add(pipe(-0.2, 0.06, 0.045), Surface::Metal, STEEL);
+        for band in [-0.15, 0.01] {
+            add(pipe(band - 0.015, band + 0.015, 0.052), Surface::Plain, RUBBER);
+        }
+        let (middle, half) = (vector(0.18, y, 0.3), vector(0.06, 0.035, 0.05));
+        add(Shape::Block { middle, half, radius: 0.01 }, Surface::Plain, RUBBER);
+        for (start, end, paint) in [(-0.08, 0.14, RED_WIRE), (0.04, 0.2, YELLOW_WIRE)] {
+            let (from, bend) = (vector(start, y, 0.24), vector((start + end) / 2.0, y, 0.38));
+            add(Shape::Rod { from, to: bend, radius: 0.012 }, Surface::Plain, paint);
+            add(Shape::Rod { from: bend, to: vector(end, y, 0.34), radius: 0.012 }, Surface::Plain, paint);
+        }
+    }
+}
+
+/// How far a shape extends to the front (`side` 1) or to the back (`side` −1), at the height of a device.
+fn reach(shape: &Shape, side: f32) -> f32 {
+    let (least_z, depth) = match shape {
+        Shape::Block { middle, half, .. } => (middle.z - half.z, side * middle.y + half.y),
+        Shape::Rod { from, to, radius } => (from.z.min(to.z), (side * from.y).max(side * to.y) + radius),
+    };
+    if least_z < 0.35 { depth } else { 0.0 }
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "a picture is drawn in single precision")]

@@ -99,7 +99,7 @@ fn png(width: u32, height: u32, pixels: &[u8]) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use hallsweep_core::units::{Heading, WallTime};
+    use hallsweep_core::units::{Heading, Piece, WallTime};
 
     /// Takes a photo of each piece of the hall `airport`, from every free cell beside the piece.
     fn photos(camera: Camera) -> Vec<(String, Vec<u8>)> {
@@ -148,6 +148,37 @@ mod tests {
         assert_eq!((away(&hall, facing(Heading::East)), away(&hall, facing(Heading::South))), (3, 1));
         let long = Hall::from_rows("test", &["S........."]).unwrap();
         assert_eq!(away(&long, facing(Heading::East)), 1, "nothing is in sight");
+    }
+
+    /// Takes a photo of a piece from its south side.
+    fn from_south(hall: Hall, number: u32) -> Vec<u8> {
+        let cell = hall.bag(Piece(number)).unwrap().cells[0];
+        let pose = Pose { cell: cell.ahead(Heading::South), heading: Heading::North };
+        let stamp = Stamp { pose, wall: WallTime { unix_ms: 1_795_249_220_000, offset_s: 0 } };
+        let body = BodyPose::centred(pose, hall.cell_m());
+        Exposure::new(Arc::new(hall), Camera::Rendered, body, pose, stamp).develop().bytes.to_vec()
+    }
+
+    #[test]
+    fn an_exercise_shows_on_every_photo_and_a_test_piece_on_its_own() {
+        let hall = |marks: &str| {
+            Hall::parse("test.toml", &format!("drawing = \"\"\"\n...\n.a.\n...\n..S\n\"\"\"\n[[luggage]]\nmark = \"a\"\nkind = \"suitcase\"\ncolour = \"red\"\n{marks}"))
+                .unwrap()
+        };
+        assert_eq!(from_south(hall(""), 1), from_south(hall("dangerous = true\n"), 1), "no picture outside exercises tells");
+        let pictures: Vec<(bool, Vec<u8>)> = (0..20)
+            .map(|seed| hall("").with_tests(1, seed).unwrap())
+            .filter_map(|exercise| {
+                let piece = exercise.pieces().iter().find(|bag| bag.cells == [Cell::new(-1, -2)])?.piece;
+                let is_met = exercise.truth(Cell::new(-1, -1)) == Truth::Free;
+                is_met.then(|| (exercise.is_dangerous(piece), from_south(exercise.clone(), piece.0)))
+            })
+            .collect();
+        let plain = from_south(hall(""), 1);
+        assert!(pictures.iter().all(|(_, picture)| *picture != plain), "the caption says EXERCISE");
+        let of =
+            |is_test: bool| pictures.iter().filter(|(test, _)| *test == is_test).map(|(_, picture)| picture).collect::<Vec<_>>();
+        assert!(!of(true).is_empty() && !of(false).is_empty() && of(true).iter().all(|picture| !of(false).contains(picture)));
     }
 
     #[test]

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::super::bag::Bag;
 use super::super::hall::{Hall, Truth};
 use super::canvas::Canvas;
-use super::luggage::{Model, model};
+use super::luggage::{Model, add_device, model};
 use super::solid::{self, Placement};
 use super::space::vector;
 use super::view::{HEIGHT, View, WIDTH};
@@ -58,6 +58,14 @@ fn in_view<'a>(hall: &'a Hall, view: &View) -> Vec<&'a Bag> {
 /// The models of a piece. A piece in a straight row of cells has one model. Any other piece has one model on each
 /// cell.
 fn placed(hall: &Hall, bag: &Bag) -> Vec<(Placement, Model)> {
+    let mut models = placed_plain(hall, bag);
+    if let Some((_, model)) = models.first_mut().filter(|_| hall.is_exercise() && bag.dangerous) {
+        add_device(model);
+    }
+    models
+}
+
+fn placed_plain(hall: &Hall, bag: &Bag) -> Vec<(Placement, Model)> {
     let (Some(first), Some(last)) = (bag.cells.first(), bag.cells.last()) else { return Vec::new() };
     if first.y == last.y && bag.cells.iter().all(|cell| cell.y == first.y) || bag.cells.iter().all(|cell| cell.x == first.x) {
         let foot = (point(*first) + point(*last)) * 0.5;

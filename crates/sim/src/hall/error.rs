@@ -179,6 +179,8 @@ pub enum HallFault {
     PlayerStuck(String),
     #[error("this is the scene of a virtual robot: make a hall of it with `hallsweep hall import {0}`")]
     IsScene(String),
+    #[error("{wanted} test pieces do not fit into this hall, {room} do: choose fewer, or a larger hall")]
+    NoRoomForTests { wanted: u32, room: u32 },
     #[error("--cell is {asked} m, but the cells of this file are {has} m wide: leave --cell out")]
     CellGiven { asked: String, has: String },
 }

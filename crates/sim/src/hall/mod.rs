@@ -7,6 +7,7 @@
 //! coordinates, in which the robot's start is (0, 0).
 
 mod error;
+mod exercise;
 mod export;
 mod files;
 mod movingai;
@@ -59,6 +60,7 @@ pub struct Hall {
     squares: Vec<Truth>,
     bags: Vec<Bag>,
     temperature: Option<Curve>,
+    is_exercise: bool,
 }
 
 /// The content of a hall file's cells. Name, cell size and temperature are not included.
@@ -77,7 +79,16 @@ impl Hall {
         let Plan { bounds, squares, bags } = plan;
         // The name is printed on terminals. Control characters would change what the terminal shows.
         let name: String = name.chars().map(|letter| if letter.is_control() { ' ' } else { letter }).collect();
-        Hall { name: name.into(), description: None, cell_m: USUAL_CELL_M, bounds, squares, bags, temperature: None }
+        Hall {
+            name: name.into(),
+            description: None,
+            cell_m: USUAL_CELL_M,
+            bounds,
+            squares,
+            bags,
+            temperature: None,
+            is_exercise: false,
+        }
     }
 
     pub(super) fn measured(self, cell_m: f64, temperature: Option<Curve>) -> Hall {
