@@ -6,6 +6,7 @@
 //!   signal ─► halt ─► the doors drain their requests ─► the loop ends ─► each robot's task ends with its channel
 //! ```
 
+use std::collections::BTreeMap;
 use std::net::TcpListener;
 use std::sync::Arc;
 use std::time::Duration;
@@ -42,6 +43,7 @@ mod elsewhere;
 mod emulator;
 mod entry;
 mod error;
+mod exercise;
 mod mqtt;
 mod ports;
 mod signals;
@@ -76,6 +78,7 @@ pub fn serve_robot(settings: &Settings, robot: Adapter, announce: impl FnOnce(Do
 }
 
 fn serve_with(settings: &Settings, robot: Option<Adapter>, announce: impl FnOnce(Doors, &FirstAccess)) -> Result<(), AppError> {
+    let settings = &exercise::settled(settings)?;
     let robots = Robots::of(settings)?;
     let notes = data_folder::write_out_old(settings).into_iter().chain(mqtt::note(settings)).collect();
     let runtime = threads::ordinary().map_err(AppError::System)?;
@@ -100,7 +103,8 @@ async fn serve_hall(
     let signalled = signals::listen().map_err(AppError::System)?;
     let secret = access::chance()?;
 
-    let kept = DataFolder::open(settings, &mut robots, entry::unusable(settings), notes)?;
+    let mut kept = DataFolder::open(settings, &mut robots, entry::unusable(settings), notes)?;
+    kept.are_tests_known = exercise::check(settings, &kept)?;
     // The keys are opened last, when nothing else can prevent the start. So a key that is created is also shown to
     // the user.
     let opened = entry::access(settings)?;
@@ -205,6 +209,9 @@ async fn start(
         robots.keep_other_hall();
     }
     engine.note_venue(robots.venue(), clock.now());
+    if let Some(truth) = robots.truth() {
+        engine.begin_exercise(if kept.are_tests_known { truth } else { BTreeMap::new() }, clock.now());
+    }
     let Adapters { all: mut adapters, mut simulator } = robots.adapters(clock);
     if let Some(other) = other {
         adapters[0] = other;

@@ -90,6 +90,9 @@ pub struct Serve {
     /// Start cell of the simulated robot: column and row, counted from 0 in the north-west corner.
     #[arg(long, value_name = "COLUMN,ROW", allow_hyphen_values = true)]
     start: Option<String>,
+    /// Run an exercise with this many test pieces in the simulated hall, from 1 to 100; see docs/exercise.md.
+    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
+    exercise: Option<String>,
     /// Address of the console and the API; port 0 chooses a free port.
     #[arg(long, value_name = "ADDRESS:PORT")]
     http: Option<String>,
@@ -198,6 +201,7 @@ impl Serve {
         let given = [
             ("--hall", &self.hall),
             ("--start", &self.start),
+            ("--exercise", &self.exercise),
             ("--http", &self.http),
             ("--coap", &self.coap),
             ("--mqtt", &self.mqtt),
@@ -324,9 +328,9 @@ mod tests {
     #[test]
     fn every_flag_is_a_setting() {
         let given = flags(
-            "hallsweep --hall h --start -1 --http a --coap c --mqtt m --speed -1 --seed -2 --strategy s --goal g --sensing n --costs -1 --data d --robot line=x",
+            "hallsweep --hall h --start -1 --exercise -1 --http a --coap c --mqtt m --speed -1 --seed -2 --strategy s --goal g --sensing n --costs -1 --data d --robot line=x",
         );
-        assert_eq!(given.len(), 14);
+        assert_eq!(given.len(), 15);
         for (key, _) in given {
             assert!(crate::config::Key::named(key).is_some(), "{key} is no setting");
         }

@@ -40,6 +40,8 @@ pub struct Settings {
     pub hall: String,
     /// Column and row of the robot's start, counted from 0 in the north-west corner; `None` for the start in the hall file.
     pub hall_start: Option<(u32, u32)>,
+    /// The exercise; `None` for a mission with ordinary pieces.
+    pub exercise: Option<Exercise>,
     /// Where the name of the hall was set, such as `flag --hall`. The error names this place when the hall cannot be
     /// read.
     pub hall_origin: String,
@@ -66,6 +68,14 @@ pub struct Settings {
     /// Which log lines are written, in the notation of `tracing_subscriber::EnvFilter`.
     pub log: String,
     pub without_effect: Vec<String>,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Exercise {
+    /// Number of test pieces.
+    pub pieces: u32,
+    /// The seed that says where they stand, if it is set.
+    pub seed: Option<u64>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -22,6 +22,8 @@ mod damage;
 mod data_files;
 #[path = "service/earlier.rs"]
 mod earlier;
+#[path = "service/exercise.rs"]
+mod exercise;
 #[path = "service/explore.rs"]
 mod explore;
 #[path = "service/few_descriptors.rs"]

@@ -38,6 +38,9 @@ pub struct LuggageJson {
     /// Answers of other judges, which were kept back until the verdict; absent if there are none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub judged: Vec<JudgementJson>,
+    /// Whether this is a test piece of an exercise; absent until the exercise is over, and outside exercises.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub test: Option<bool>,
     /// Time at which the piece was put into the container, RFC 3339 with zone; null while the piece is in the hall.
     pub secured: Option<String>,
 }
@@ -136,6 +139,7 @@ impl From<&Luggage> for LuggageJson {
             decided: luggage.verdict.as_ref().map(DecisionJson::from),
             unsure: luggage.unsure.iter().map(DecisionJson::from).collect(),
             judged: luggage.judged.iter().map(JudgementJson::from).collect(),
+            test: luggage.truth,
             secured: luggage.secured.map(rfc3339),
         }
     }

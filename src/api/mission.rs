@@ -53,6 +53,9 @@ pub struct MissionJson {
     /// Number of searched cells that the robot has to visit once more; absent if there are none.
     #[serde(skip_serializing_if = "is_zero")]
     pub search_again: usize,
+    /// Whether this is an exercise with test pieces; absent otherwise.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub exercise: bool,
     /// Statement with which the mission was closed; absent if it is not closed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub closed: Option<ClosedJson>,
@@ -176,6 +179,7 @@ impl MissionJson {
             epoch: mission.epoch.0,
             progress: mission.progress.into(),
             search_again: mission.again.len(),
+            exercise: mission.is_exercise,
             closed: mission.closed.as_deref().map(ClosedJson::from),
             keep_out: rings(&mission.keep_out),
             refusals: (&mission.refusals).into(),

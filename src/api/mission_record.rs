@@ -4,6 +4,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::exercise::ExerciseJson;
 use super::journal::{self, ConditionsShape};
 use super::luggage::LuggageJson;
 use super::map::{MapJson, Plan};
@@ -35,6 +36,9 @@ pub struct MissionRecordJson {
     pub dangerous: u64,
     /// Numbers of the dangerous pieces that were still in place when the mission ended.
     pub left: Vec<u64>,
+    /// Whether the mission is an exercise; absent otherwise.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub exercise: bool,
     /// Addresses of further data of the mission.
     pub links: Links,
 }
@@ -67,6 +71,9 @@ pub struct MissionWholeJson {
     pub record: MissionRecordJson,
     /// Hall and temperature threshold at the mission's end or at present; null if they are not recorded.
     pub conditions: Option<ConditionsShape>,
+    /// Results of the exercise; absent if the mission is no exercise.
+    #[serde(rename = "exerciseResults", skip_serializing_if = "Option::is_none")]
+    pub results: Option<ExerciseJson>,
     /// Luggage of the mission, sorted by number.
     pub luggage: Vec<LuggageJson>,
     /// Known part of the hall; null if the map is not stored.
@@ -88,7 +95,8 @@ impl MissionWholeJson {
         let luggage = state.into_iter().flat_map(|state| state.luggage.iter());
         let luggage = luggage.map(|luggage| LuggageJson::from(&**luggage)).collect();
         let map = state.map(|state| MapJson::from(Plan::from(state)));
-        MissionWholeJson { record, conditions: state.and_then(conditions), luggage, map, damage }
+        let results = state.and_then(ExerciseJson::of);
+        MissionWholeJson { record, conditions: state.and_then(conditions), results, luggage, map, damage }
     }
 }
 
@@ -217,6 +225,7 @@ mod tests {
             pieces: 1,
             dangerous: 0,
             left: Vec::new(),
+            exercise: false,
             links: Links::of(MissionId(3)),
         }
     }

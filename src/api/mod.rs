@@ -12,6 +12,7 @@ pub mod commands;
 pub mod concise_problem;
 pub mod door;
 pub mod excerpt;
+pub mod exercise;
 pub mod fields;
 pub mod hall_files;
 pub mod halt;

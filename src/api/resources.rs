@@ -4,6 +4,7 @@
 //! has (the past, the list of links, the items of old clients) are in that door.
 
 use serde::Serialize;
+use serde_json::Value;
 
 use super::luggage::LuggageJson;
 use super::map::{MapJson, map_revision};
@@ -145,22 +146,35 @@ impl ResourceKind {
         let piece = |found: &Luggage| located(LuggageJson::from(found));
         let pieces = || snapshot.luggage.iter().map(|found| piece(found)).collect::<Vec<_>>();
         match self {
-            ResourceKind::State => shape(form, &StateJson::new(snapshot, pieces())),
-            ResourceKind::Strategy => shape(form, &StrategyJson::from(snapshot.mission.strategy)),
-            ResourceKind::Of(Resource::Mission) => shape(form, &state::mission(snapshot)),
-            ResourceKind::Of(Resource::Robot) => shape(form, &state::robot(snapshot)),
-            ResourceKind::Of(Resource::Map) => shape(form, &MapJson::from(snapshot)),
-            ResourceKind::Of(Resource::Luggage) => shape(form, &pieces()),
-            ResourceKind::Of(Resource::Temperature) => shape(form, &state::temperature(snapshot)),
-            ResourceKind::Of(Resource::Alarms) => shape(form, &state::alarms(snapshot)),
-            ResourceKind::Of(Resource::Retrieval) => shape(form, &state::retrieval(snapshot)),
-            ResourceKind::Of(Resource::Log) => shape(form, &state::log_after(snapshot, 0)),
+            ResourceKind::State => marked(snapshot, form, &StateJson::new(snapshot, pieces())),
+            ResourceKind::Strategy => marked(snapshot, form, &StrategyJson::from(snapshot.mission.strategy)),
+            ResourceKind::Of(Resource::Mission) => marked(snapshot, form, &state::mission(snapshot)),
+            ResourceKind::Of(Resource::Robot) => marked(snapshot, form, &state::robot(snapshot)),
+            ResourceKind::Of(Resource::Map) => marked(snapshot, form, &MapJson::from(snapshot)),
+            ResourceKind::Of(Resource::Luggage) => marked(snapshot, form, &pieces()),
+            ResourceKind::Of(Resource::Temperature) => marked(snapshot, form, &state::temperature(snapshot)),
+            ResourceKind::Of(Resource::Alarms) => marked(snapshot, form, &state::alarms(snapshot)),
+            ResourceKind::Of(Resource::Retrieval) => marked(snapshot, form, &state::retrieval(snapshot)),
+            ResourceKind::Of(Resource::Log) => marked(snapshot, form, &state::log_after(snapshot, 0)),
             ResourceKind::Piece => {
-                snapshot.luggage(LuggageId(number)).map(|found| shape(form, &piece(found))).unwrap_or_default()
+                snapshot.luggage(LuggageId(number)).map(|found| marked(snapshot, form, &piece(found))).unwrap_or_default()
             }
             ResourceKind::Photo => Vec::new(),
         }
     }
+}
+
+/// Writes a resource. In an exercise, each object of the resource says so.
+pub fn marked<T: Serialize>(snapshot: &Snapshot, form: Form, value: &T) -> Vec<u8> {
+    if !snapshot.mission.is_exercise {
+        return shape(form, value);
+    }
+    let mut value = serde_json::to_value(value).expect("the shapes of the wire are what JSON can hold");
+    let objects = if let Value::Array(list) = &mut value { list.iter_mut().collect() } else { vec![&mut value] };
+    for fields in objects.into_iter().filter_map(Value::as_object_mut) {
+        fields.insert("exercise".to_owned(), Value::Bool(true));
+    }
+    shape(form, &value)
 }
 
 pub fn shape<T: Serialize>(form: Form, shape: &T) -> Vec<u8> {
@@ -220,6 +234,21 @@ mod tests {
             let written = |form: &Form| row.kind.written(3, *form, &state, std::convert::identity);
             let forms: BTreeSet<Vec<u8>> = row.forms.iter().map(written).collect();
             assert!(forms.len() == row.forms.len() && forms.iter().all(|body| !body.is_empty()), "{}", row.path);
+        }
+    }
+
+    #[test]
+    fn in_an_exercise_every_object_says_so_and_otherwise_none_does() {
+        let mut state = searching();
+        for is_exercise in [false, true] {
+            state.mission.is_exercise = is_exercise;
+            for row in RESOURCES.iter().filter(|row| row.kind != ResourceKind::Photo) {
+                let json = row.kind.written(3, Form::Json, &state, std::convert::identity);
+                let json: Value = serde_json::from_slice(&json).unwrap();
+                let objects = json.as_array().cloned().unwrap_or_else(|| vec![json.clone()]);
+                let is_marked = |object: &Value| object.get("exercise") == Some(&Value::Bool(true));
+                assert!(objects.iter().all(|object| is_marked(object) == is_exercise), "{}: {json}", row.path);
+            }
         }
     }
 

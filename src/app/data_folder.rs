@@ -24,6 +24,10 @@ pub(super) struct DataFolder {
     pub(super) archive: Arc<dyn Archive>,
     pub(super) recalled: Option<Recalled>,
     pub(super) elsewhere: bool,
+    /// Whether there is a journal that could not be read.
+    pub(super) is_unread: bool,
+    /// Whether the test pieces of the exercise are known; also true outside exercises.
+    pub(super) are_tests_known: bool,
     /// Remembers a STOP even when the journal cannot be written.
     pub(super) stops: Option<Stops>,
     /// Messages to an operator about faults that do not keep the program from running. Each message says what to do.
@@ -44,7 +48,16 @@ impl DataFolder {
         let Some(folder) = &settings.store else {
             let store = MemoryStore::new();
             let archive = store.archive();
-            return Ok(DataFolder { archive, store: Box::new(store), recalled: None, elsewhere: false, stops: None, notes });
+            return Ok(DataFolder {
+                archive,
+                store: Box::new(store),
+                recalled: None,
+                elsewhere: false,
+                is_unread: false,
+                are_tests_known: true,
+                stops: None,
+                notes,
+            });
         };
         if fs::metadata(folder.join(".")).is_err_and(|error| error.kind() == ErrorKind::PermissionDenied) {
             return Err(AppError::ClosedFolder(folder.clone()));
@@ -82,7 +95,16 @@ impl DataFolder {
                 robots.put_down();
             }
         }
-        Ok(DataFolder { store, archive, recalled, elsewhere, stops: Some(Stops::open(folder)), notes })
+        Ok(DataFolder {
+            store,
+            archive,
+            recalled,
+            elsewhere,
+            is_unread,
+            are_tests_known: true,
+            stops: Some(Stops::open(folder)),
+            notes,
+        })
     }
 
     /// The present epoch: the epoch of the last STOP, even if this STOP did not reach the journal (safety S4).

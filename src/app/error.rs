@@ -10,6 +10,7 @@ use crate::doors::mqtt;
 use crate::robots::Unusable;
 use crate::robots::emulator::EmulatorError;
 use crate::storage::sqlite::OpenError;
+use hallsweep_core::units::MissionId;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Port {
@@ -63,6 +64,23 @@ pub enum AppError {
          operator`, or write mission.safe_by = 1"
     )]
     TooFewJudges(usize),
+    #[error(
+        "mission {0} in the data folder {path} is under way, and it is no exercise: start hallsweep without --exercise and end the \
+         mission with RESET, or choose another folder with --data DIR", path = .1.display()
+    )]
+    MissionNoExercise(MissionId, PathBuf),
+    /// The mission, the folder, and the number of test pieces.
+    #[error(
+        "mission {0} in the data folder {path} is an exercise that is under way: start hallsweep with --exercise {2} and without \
+         --seed to continue it or to end it with RESET, or choose another folder with --data DIR", path = .1.display()
+    )]
+    MissionExercise(MissionId, PathBuf, String),
+    #[error(
+        "mission {0} in the data folder {path} is an exercise that is under way, but the file exercise.txt, which has its seed, is \
+         missing or damaged: put the file back; or move simulated-robot.txt away, start with --exercise NUMBER --seed 1, and end \
+         the mission with RESET. Its results are lost then", path = .1.display()
+    )]
+    ExerciseLost(MissionId, PathBuf),
     #[error(transparent)]
     Tls(#[from] TlsError),
     #[error(transparent)]

@@ -13,7 +13,7 @@ pub enum Failure {
     #[error(transparent)]
     Settings(#[from] SettingsError),
     /// The program could not start or could not continue. Exit code 2 when the cause is the hall, the scene file, the
-    /// TLS files, the access to the data folder or the keys of the judges; otherwise 1.
+    /// TLS files, the access to the data folder, the keys of the judges or an exercise; otherwise 1.
     #[error(transparent)]
     App(#[from] AppError),
     /// The keys cannot be read, stored or changed: exit code 1.
@@ -42,7 +42,10 @@ impl Failure {
                 | AppError::Tls(_)
                 | AppError::ClosedFolder(_)
                 | AppError::NoKeysForJudges(..)
-                | AppError::TooFewJudges(_),
+                | AppError::TooFewJudges(_)
+                | AppError::MissionNoExercise(..)
+                | AppError::MissionExercise(..)
+                | AppError::ExerciseLost(..),
             ) => ExitCode::from(2),
             Failure::Tree(_, code) => ExitCode::from(*code),
             Failure::App(_) | Failure::Access(_) | Failure::Run(_) => ExitCode::from(1),

@@ -190,6 +190,7 @@ mod tests {
             seen_from: Vec::new(),
             unsure: Vec::new(),
             judged: Vec::new(),
+            truth: None,
             piece: None,
             secured: None,
             clock_set_ms: 0,

@@ -15,7 +15,7 @@ use super::layers::Layers;
 use super::reading::{NumberOrWord, bind, count, number, one_of, read};
 use super::robot_address::RobotKind;
 use super::without_effect::without_effect;
-use super::{HttpSettings, OldClients, PairMishaps, Settings, TlsFiles, folder};
+use super::{Exercise, HttpSettings, OldClients, PairMishaps, Settings, TlsFiles, folder};
 use super::{mqtt, robots};
 use hallsweep_core::command::{Strategy, TemperatureReport};
 use hallsweep_core::not_fetched::Fetcher;
@@ -40,6 +40,7 @@ pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
     let settings = Settings {
         hall: hall(layers)?,
         hall_start: hall_start(layers)?,
+        exercise: exercise(layers)?,
         hall_origin: layers.origin("hall.file"),
         http: http(layers)?,
         coap: coap(layers)?,
@@ -90,6 +91,18 @@ fn hall_start(layers: &Layers) -> Result<Option<(u32, u32)>, SettingsError> {
     } else {
         Ok(start)
     }
+}
+
+/// The exercise, if there is one. Its test pieces are simulated, so the searching robot must be simulated too.
+fn exercise(layers: &Layers) -> Result<Option<Exercise>, SettingsError> {
+    let pieces = count(layers, "hall.exercise")?;
+    let kind = robots::kind(layers, "robot.kind")?;
+    if pieces > 0 && kind != RobotKind::Sim {
+        let problem = format!("an exercise is simulated, but the searching robot is of the kind {}", kind.name());
+        return Err(layers.wrong_with_advice("hall.exercise", problem, "write 0, or search with the robot sim"));
+    }
+    let seed = layers.is_chosen("robot.seed").then(|| read(layers, "robot.seed")).transpose()?;
+    Ok((pieces > 0).then_some(Exercise { pieces, seed }))
 }
 
 fn http(layers: &Layers) -> Result<HttpSettings, SettingsError> {
@@ -166,8 +179,24 @@ fn core(layers: &Layers) -> Result<CoreSettings, SettingsError> {
 
 fn rules(layers: &Layers) -> Result<Rules, SettingsError> {
     let key = "mission.after_danger";
+    let mut after_danger = one_of(layers, key, &AfterDanger::ALL, AfterDanger::name, "there is no such rule")?;
+    if exercise(layers)?.is_some() {
+        if layers.is_chosen(key) && after_danger == AfterDanger::Return {
+            let problem = "in an exercise the search goes on after a danger, so that every piece is judged";
+            return Err(layers.wrong_with_advice(key, problem, "write go_on, or leave this setting out"));
+        }
+        if number(layers, "mission.keep_out_m")? > 0.0 {
+            let problem = "in an exercise every piece is judged, also beside one that was judged dangerous";
+            return Err(layers.wrong_with_advice("mission.keep_out_m", problem, "write 0"));
+        }
+        if read(layers, "mission.inspect_everything")? {
+            let problem = "in an exercise the camera must recognise the pieces";
+            return Err(layers.wrong_with_advice("mission.inspect_everything", problem, "write false"));
+        }
+        after_danger = AfterDanger::GoOn;
+    }
     Ok(Rules {
-        after_danger: one_of(layers, key, &AfterDanger::ALL, AfterDanger::name, "there is no such rule")?,
+        after_danger,
         keep_out_m: number(layers, "mission.keep_out_m")?,
         safe_by: safe_by(layers)?,
         hot: one_of(layers, "mission.hot", &HotRule::ALL, HotRule::name, "there is no such rule")?,

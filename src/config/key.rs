@@ -47,6 +47,9 @@ const MISHAPS: SettingKind = SettingKind::Number { least: 0.0, most: 10.0 };
 /// A factor, or the word `max`.
 const SPEED: SettingKind = SettingKind::NumberOrWord { least: Speed::SLOWEST, most: Speed::FASTEST };
 
+/// A number of test pieces. A person judges no more than 100 in a day.
+const TESTS: SettingKind = SettingKind::Number { least: 0.0, most: 100.0 };
+
 /// A distance in metres. The bounds include a letter bomb and a lorry bomb, with a margin.
 const EVACUATION_M: SettingKind = SettingKind::Number { least: 1.0, most: 5000.0 };
 
@@ -100,11 +103,12 @@ pub(super) const ROBOTS: &str = "robots";
 pub(super) const ROBOT: &str = "robot";
 
 /// Every setting, in the order of `config/default.toml`.
-pub const KEYS: [Key; 55] = [
+pub const KEYS: [Key; 56] = [
     text("hall.file", "name a built-in hall, such as airport, or the path of a hall file (.toml, .map, .yaml or .txt)")
         .set_by("--hall"),
     text("hall.start", "write column and row, counted from 0 in the north-west corner, such as 3,0; or leave it empty")
         .set_by("--start"),
+    key("hall.exercise", TESTS, "write a whole number of test pieces from 0 to 100; 0 means no exercise").set_by("--exercise"),
     text("http.bind", "write localhost:PORT, or ADDRESS:PORT with a number for an address, such as 127.0.0.1:8080 or [::1]:8080")
         .set_by("--http"),
     yes_no("http.require_token"),

@@ -12,8 +12,10 @@ use crate::api::journal::{self, Line};
 use crate::phrases::Language;
 use crate::runtime::archive::hex;
 use hallsweep_core::command::{Note, Verdict};
+use hallsweep_core::settings::Rules;
 use hallsweep_core::state::fact::{Entry, Fact};
-use hallsweep_core::units::{Cell, LuggageId, Pose, Seq, WallTime};
+use hallsweep_core::state::{Conditions, Venue};
+use hallsweep_core::units::{Cell, Celsius, LuggageId, Pose, Seq, WallTime};
 use hallsweep_core::world::hall_map::Mark;
 use hallsweep_core::world::luggage::{Luggage, PhotoState};
 
@@ -176,6 +178,7 @@ fn large_hall() -> Vec<Entry> {
             seen_from: Vec::new(),
             unsure: Vec::new(),
             judged: Vec::new(),
+            truth: None,
             piece: None,
             secured: None,
             clock_set_ms: 0,
@@ -192,6 +195,17 @@ fn large_hall() -> Vec<Entry> {
     entries
 }
 
+/// The large hall as an exercise, of which every third piece is a test piece.
+fn exercise() -> Vec<Entry> {
+    let venue = Venue { name: "airport".into(), is_exercise: true, ..Venue::default() };
+    let threshold = Celsius::new(25.0).expect("a believable temperature");
+    let conditions = Fact::Conditions(Conditions { venue, threshold, rules: Rules::default() });
+    let revealed = (1..=60).map(|id| Fact::Revealed { luggage: LuggageId(id), is_test: id % 3 == 0 });
+    let wall = WallTime { unix_ms: 1_770_109_612_250, offset_s: 3600 };
+    let further = std::iter::once(conditions).chain(revealed).map(|fact| Entry { wall, fact });
+    large_hall().into_iter().chain(further).collect()
+}
+
 /// Digests of pages, one for each edition, language and mission. `every_kind.jsonl` grows with every new kind. Each
 /// of its earlier lengths is a mission of its own, so that the older digests are still checked.
 fn pages() -> Vec<String> {
@@ -206,7 +220,9 @@ fn pages() -> Vec<String> {
         let entries = lines.iter().take(length).map(|line| read(line)).collect();
         (format!("{length} entries of every kind"), Mission::of(entries))
     });
-    let missions: Vec<(String, Mission)> = every_kind.chain([("a large hall".to_owned(), Mission::of(large_hall()))]).collect();
+    let named = [("a large hall", large_hall()), ("an exercise", exercise())];
+    let named = named.into_iter().map(|(name, entries)| (name.to_owned(), Mission::of(entries)));
+    let missions: Vec<(String, Mission)> = every_kind.chain(named).collect();
     let page = |edition: u32, language: Language, (name, mission): &(String, Mission)| {
         let named = if edition == 1 { String::new() } else { format!("edition {edition} ") };
         let digest = hex(&Sha256::digest(mission.report_of(edition, language)));

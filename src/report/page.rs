@@ -31,10 +31,11 @@ pub(super) const TAKES: u32 = 1000;
 pub(super) fn write(report: &Report<'_>, out: &mut dyn Write) -> Result<(), Failure> {
     let state = report.moment.as_ref().map(|moment| &moment.past.of.state);
     let top = Top { report, language: report.claim.language, state, zone: report.zone() };
-    if report.claim.edition > 2 {
-        part(out, &Document { top })?
-    } else {
-        part(out, &top)?
+    let is_exercise = state.and_then(|state| state.conditions.as_ref()).is_some_and(|conditions| conditions.venue.is_exercise);
+    match state.filter(|_| is_exercise) {
+        Some(state) => exercise(out, top, state)?,
+        None if report.claim.edition > 2 => part(out, &Document { top })?,
+        None => part(out, &top)?,
     }
     pieces(report, state, out)?;
     let threshold = state.and_then(|state| state.conditions.as_ref()).map(|conditions| conditions.threshold);
@@ -48,8 +49,22 @@ pub(super) fn write(report: &Report<'_>, out: &mut dyn Write) -> Result<(), Fail
     part(out, &Evidence { report, language: report.claim.language, file_name })
 }
 
+/// Writes the top of the report of an exercise, and its results. The template of an edition never changes, so the title
+/// is changed where it is written.
+fn exercise(out: &mut dyn Write, top: Top<'_>, state: &PersistentState) -> Result<(), Failure> {
+    let language = top.language;
+    let title = language.say("report-title").with("id", top.report.claim.mission).to_string();
+    let top = rendered(&Document { top }).replace(&title, &format!("{} · {title}", language.say("exercise")));
+    writeln!(out, "{top}")?;
+    part(out, &Exercise { language, state })
+}
+
+fn rendered(part: &impl Template) -> String {
+    part.render().expect("the templates accept every record, and writing to a string does not fail")
+}
+
 fn part(out: &mut dyn Write, part: &impl Template) -> Result<(), Failure> {
-    let text = part.render().expect("the templates accept every record, and writing to a string does not fail");
+    let text = rendered(part);
     out.write_all(text.as_bytes())?;
     out.write_all(b"\n")?;
     Ok(())
@@ -87,6 +102,14 @@ struct Top<'r> {
 #[template(path = "report/document.html")]
 struct Document<'r> {
     top: Top<'r>,
+}
+
+/// The results of an exercise.
+#[derive(Template)]
+#[template(path = "report/exercise.html")]
+struct Exercise<'r> {
+    language: Language,
+    state: &'r PersistentState,
 }
 
 /// Lines for the signatures of the operator and the receiver.

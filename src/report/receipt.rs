@@ -24,15 +24,13 @@ pub struct Receipt {
     pub code: Option<String>,
 }
 
+/// The number of the entry of a hand-over, and its receipt.
+pub type ReceiptOf = (Seq, Result<Receipt, Unreadable>);
+
 impl Receipt {
     /// Reads at most `most` receipts of a mission, oldest first, each with the number of its entry. Entries that were
     /// declared lost have no receipt.
-    pub fn all(
-        archive: &dyn Archive,
-        mission: MissionId,
-        after: Seq,
-        most: usize,
-    ) -> Result<Vec<(Seq, Result<Receipt, Unreadable>)>, Unreadable> {
+    pub fn all(archive: &dyn Archive, mission: MissionId, after: Seq, most: usize) -> Result<Vec<ReceiptOf>, Unreadable> {
         let mut receipts = Vec::new();
         for (seq, entry) in archive.hand_overs(mission, Span { after, until: end(archive)? }, most)? {
             let code = archive.head(mission, seq)?.map(|head| code(mission, seq, &head));

@@ -275,6 +275,7 @@ fn piece(id: u64, bytes: usize) -> Entry {
         seen_from: Vec::new(),
         unsure: Vec::new(),
         judged: Vec::new(),
+        truth: None,
         piece: None,
         secured: None,
         clock_set_ms: 0,

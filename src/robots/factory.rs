@@ -1,6 +1,7 @@
 //! Creates all robots of the settings. First it reads what is stored about each robot, then it makes the adapter that
 //! runs the robot. `app` decides who learns of the robots, and on which threads they run.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -15,6 +16,7 @@ use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::robot::RobotId;
 use hallsweep_core::speed::Speed;
 use hallsweep_core::state::{Participant, Venue};
+use hallsweep_core::units::Piece;
 use hallsweep_sim::Hall;
 
 pub struct Robots {
@@ -72,6 +74,10 @@ impl Robots {
                 SimulatedHall { hall, seed: settings.robot.seed }
             }
         };
+        let (hall, seed) = match &settings.exercise {
+            Some(exercise) => (sim::exercise(&hall, exercise.pieces, settings.robot.seed)?, settings.robot.seed),
+            None => (hall, seed),
+        };
         let fetches = |id: &RobotId| settings.core.fetcher == Fetcher::Discovery && *id == RobotId::discovery();
         let robot = |(id, robot): (RobotId, &RobotSettings)| {
             let fetches = fetches(&id);
@@ -116,6 +122,11 @@ impl Robots {
                 ..Venue::default()
             },
         }
+    }
+
+    /// All pieces of an exercise that can be inspected, each with whether it is a test piece; `None` outside exercises.
+    pub fn truth(&self) -> Option<BTreeMap<Piece, bool>> {
+        self.hall.is_exercise().then(|| self.hall.inspectable())
     }
 
     pub fn ids(&self) -> impl Iterator<Item = &RobotId> {

@@ -72,6 +72,7 @@ pub struct MissionRecord {
     pub dangerous: u64,
     /// The dangerous pieces that were still in the hall when the mission was archived.
     pub left: Vec<LuggageId>,
+    pub is_exercise: bool,
 }
 
 /// A moment of a mission, right after one of its entries. This is the last entry up to the given number or time. If

@@ -21,6 +21,7 @@ names! {
     ARCHIVE = "archives/*.hallsweep";
     ARCHIVES = "archives";
     CHOSEN_HALL = "simulated-hall.toml";
+    EXERCISE = "exercise.txt";
     HALL = "halls/*.toml";
     HALLS = "halls";
     HEAD = "journal.head";

@@ -113,6 +113,7 @@ pub(crate) fn refusals() -> Vec<Refused> {
             open: Box::new(OpenPoints { pending: 1, unvisited: 12, ..OpenPoints::default() }),
         },
         Refused::OtherMission(MissionId(7)),
+        Refused::ExerciseOver,
         Refused::NothingSearched,
         Refused::AreaTooLarge(4096),
         Refused::NoPhoto(piece),

@@ -146,7 +146,7 @@ use Follows::{AsByAStop, Held, HeldByTheJournal, Nothing, Said};
 /// A name in the program's own table, a file of that name, and the consequence of a damage.
 type Row = (&'static str, &'static str, fn(Damage) -> Follows);
 
-const TABLE: [Row; 26] = [
+const TABLE: [Row; 27] = [
     ("journal.db", "journal.db", held),
     // After a cut the journal has lost entries, but the cause cannot be seen.
     ("journal.db-wal", "journal.db-wal", |damage| if matches!(damage, CutShort | Emptied) { HeldByTheJournal } else { Held }),
@@ -162,6 +162,8 @@ const TABLE: [Row; 26] = [
     ("journal.lost", "journal.lost", |damage| if damage == Emptied { Nothing } else { Held }),
     // Read where a piece needs two judges: see `damaged_answers_are_asked_for_again`.
     ("kept-back.json", "kept-back.json", nothing),
+    // Read where an exercise is under way.
+    ("exercise.txt", "exercise.txt", nothing),
     ("stops", "stops", |damage| if damage.leaves_no_file() { Held } else { AsByAStop }),
     ("stops.damaged", "stops.damaged", nothing),
     ("simulated-robot.txt", "simulated-robot.txt", held),

@@ -68,7 +68,8 @@ fn whatever_the_program_keeps_in_its_folder_is_in_its_own_table_and_in_the_docum
     end(Program::started(&mut archived(old.text(), "1")));
     let outside = crate::virtual_robots::remembered("listed");
     let judged = crate::judges::answered_once("listed");
-    let folders = [searched.path(), old.path(), outside.path(), judged.path()];
+    let exercise = crate::exercise::begun("listed");
+    let folders = [searched.path(), old.path(), outside.path(), judged.path(), exercise.path()];
     let there: BTreeSet<String> = folders.into_iter().flat_map(listed).collect();
     let unknown: Vec<&String> = there.iter().filter(|path| !names::ALL.iter().any(|name| is_of(name.written(), path))).collect();
     assert!(unknown.is_empty(), "these are not in src/storage/names.rs: {unknown:?}");

@@ -27,6 +27,7 @@ mod rules_closing;
 mod rules_commands;
 mod rules_crossings;
 mod rules_driving;
+mod rules_exercise;
 mod rules_going_on;
 mod rules_handing_over;
 mod rules_holds;

@@ -40,6 +40,9 @@ pub struct ConditionsShape {
     /// Robots that take part, beginning with the robot that searches; absent in records of earlier versions.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     robots: Vec<ParticipantShape>,
+    /// Whether the mission is an exercise; absent otherwise.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    exercise: bool,
     /// Seed of a simulated hall, in digits.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     seed: Option<String>,
@@ -81,6 +84,7 @@ impl From<&Conditions> for ConditionsShape {
             reckoned: venue.is_reckoned,
             reach: venue.reach.map(|Reach { reachable, free }| (reachable, free)),
             robots: venue.robots.iter().map(ParticipantShape::from).collect(),
+            exercise: venue.is_exercise,
             seed: venue.seed.map(|seed| seed.to_string()),
             after_danger: (rules.after_danger != usual.after_danger).then(|| rules.after_danger.name().to_owned()),
             keep_out_m: Some(rules.keep_out_m).filter(|metres| *metres != usual.keep_out_m),
@@ -105,7 +109,7 @@ impl From<ParticipantShape> for Participant {
 
 impl ConditionsShape {
     pub(super) fn conditions(self) -> Result<Conditions, Unparsed> {
-        let ConditionsShape { hall, cell_m, threshold, reckoned, reach, robots, seed, .. } = self;
+        let ConditionsShape { hall, cell_m, threshold, reckoned, reach, robots, exercise, seed, .. } = self;
         let reach = reach.map(|(reachable, free)| Reach { reachable, free });
         if cell_m.is_some_and(|side| !SIDES_M.contains(&side)) {
             return Err(Unparsed("the side of a cell is out of range".to_owned()));
@@ -132,7 +136,7 @@ impl ConditionsShape {
         }
         let robots = robots.into_iter().map(Participant::from).collect();
         Ok(Conditions {
-            venue: Venue { name: hall.into(), cell_m, is_reckoned: reckoned, reach, robots, seed },
+            venue: Venue { name: hall.into(), cell_m, is_reckoned: reckoned, reach, robots, is_exercise: exercise, seed },
             threshold: names::celsius(threshold)?,
             rules,
         })

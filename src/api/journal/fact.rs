@@ -137,6 +137,11 @@ pub(super) enum Shape {
     },
     /// The answer of another judge, which was kept back until this entry.
     Judged(JudgementShape),
+    /// Whether a judged piece is a test piece of the exercise.
+    Revealed {
+        luggage: u64,
+        test: bool,
+    },
     /// The person in charge has closed the mission.
     Closed(ClosedShape),
     /// The mission and its record were handed over to this person or office.
@@ -215,6 +220,7 @@ pub const fn kind(fact: &Fact) -> &'static str {
         Fact::Verdict { .. } => "verdict",
         Fact::Unsure { .. } => "unsure",
         Fact::Judged(_) => "judged",
+        Fact::Revealed { .. } => "revealed",
         Fact::Closed(_) => "closed",
         Fact::HandedOver { .. } => "handedOver",
         Fact::SearchAgain(_) => "searchAgain",
@@ -288,6 +294,7 @@ impl Shape {
                 note: note.as_ref().map(|note| note.text().to_owned()),
                 hot: (*hot).into(),
             },
+            Fact::Revealed { luggage, is_test } => Shape::Revealed { luggage: luggage.0, test: *is_test },
             Fact::Closed(closed) => Shape::Closed((&**closed).into()),
             Fact::HandedOver { who, to, note } => Shape::HandedOver {
                 who: who.to_string(),
@@ -358,6 +365,7 @@ impl Shape {
                 note: names::note(note)?,
                 hot: hot.hot()?,
             },
+            Shape::Revealed { luggage, test } => Fact::Revealed { luggage: LuggageId(luggage), is_test: test },
             Shape::Closed(closed) => Fact::Closed(Box::new(closed.closed()?)),
             Shape::HandedOver { who, to, note } => {
                 Fact::HandedOver { who: who.into(), to: names::name(to)?, note: names::note(note)? }

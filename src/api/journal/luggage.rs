@@ -33,6 +33,9 @@ pub(super) struct LuggageShape {
     /// Answers of other judges, which were kept back until the verdict.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     judged: Vec<JudgementShape>,
+    /// Whether this is a test piece of an exercise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    truth: Option<bool>,
     piece: Option<u32>,
     /// Time at which the piece was put into the container.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -135,6 +138,7 @@ impl From<&Luggage> for LuggageShape {
             verdict: luggage.verdict.as_ref().map(DecisionShape::from),
             unsure: luggage.unsure.iter().map(DoubtShape::from).collect(),
             judged: luggage.judged.iter().map(JudgementShape::from).collect(),
+            truth: luggage.truth,
             piece: luggage.piece.map(|piece| piece.0),
             secured: luggage.secured.map(Moment::from),
             clock_set_ms: luggage.clock_set_ms,
@@ -159,6 +163,7 @@ impl LuggageShape {
             verdict: self.verdict.map(DecisionShape::decision).transpose()?,
             unsure: self.unsure.into_iter().map(DoubtShape::doubt).collect::<Result<_, _>>()?,
             judged: self.judged.into_iter().map(JudgementShape::judgement).collect::<Result<_, _>>()?,
+            truth: self.truth,
             piece: self.piece.map(Piece),
             secured: self.secured.map(Into::into),
             clock_set_ms: self.clock_set_ms,

@@ -48,6 +48,7 @@ pub(super) fn written(refused: &Refused, form: Form) -> Coded {
         | Refused::NothingPending
         | Refused::PhotoUnderWay
         | Refused::NoRetrievalRobot
+        | Refused::ExerciseOver
         | Refused::NothingSearched
         | Refused::StoreDown
         | Refused::NotKept
@@ -102,6 +103,7 @@ fn value(coded: &Coded) -> Result<Refused, Unparsed> {
             Refused::OpenPoints { mission: MissionId(coded.field("mission")?), open }
         }
         "otherMission" => Refused::OtherMission(MissionId(coded.field("mission")?)),
+        "exerciseOver" => Refused::ExerciseOver,
         "nothingSearched" => Refused::NothingSearched,
         "areaTooLarge" => Refused::AreaTooLarge(coded.field("most")?),
         "faultStands" => Refused::FaultStands(coded.field::<CauseShape>("fault")?.cause()?),

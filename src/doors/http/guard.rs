@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use askama::Template;
 use axum::Router;
+use axum::body::{Body, HttpBody, to_bytes};
 use axum::extract::{Request, State};
 use axum::http::uri::Authority;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, StatusCode, Version, header};
@@ -25,6 +26,7 @@ use super::prefix::{is_page, relative};
 use super::problem::{Detail, Problem, halted, in_words};
 use crate::api::fields::in_short;
 use crate::phrases::Language;
+use hallsweep_core::units::MissionId;
 
 /// Allows only files of this origin. Inline scripts, inline styles, frames and forms to another origin are forbidden.
 const CONTENT_SECURITY_POLICY: &str = "default-src 'self'; object-src 'none'; frame-ancestors 'none'; form-action 'self'; \
@@ -96,6 +98,7 @@ pub(super) fn guarded(routes: Router, hosts: Hosts, door: &HttpDoor) -> Router {
         .layer(from_fn_with_state(door.clone(), same_origin))
         .layer(from_fn_with_state(hosts, own_name))
         .layer(from_fn(for_people))
+        .layer(from_fn_with_state(door.clone(), in_an_exercise))
         .layer(map_response(in_a_language))
         .layer(from_fn(relative))
         .layer(CatchPanicLayer::custom(|_: Box<dyn std::any::Any + Send>| Problem::internal().into_response()))
@@ -187,6 +190,34 @@ async fn for_people(request: Request, next: Next) -> Response {
     let page = Astray { language, title, detail, may_stop, here: local(asked.as_deref()) };
     let page = page.render().expect("the template only writes strings, which does not fail");
     Response::from_parts(parts, page.into())
+}
+
+/// Marks the pages of missions that are exercises, and all other pages while the program runs an exercise. A report is
+/// sent as a stream and has its own mark.
+async fn in_an_exercise(State(door): State<HttpDoor>, request: Request, next: Next) -> Response {
+    const TOP: &str = "<header id=\"top\">";
+    let language = spoken(request.headers());
+    let mission = request.uri().path().strip_prefix("/missions/").and_then(|rest| rest.split('/').next()?.parse().ok());
+    let response = next.run(request).await;
+    let is_whole = response.body().size_hint().exact().is_some();
+    if !is_page(&response) || !is_whole {
+        return response;
+    }
+    let is_exercise = match mission.map(MissionId) {
+        Some(mission) => {
+            let record = door.archive.look_up(move |archive| archive.mission(mission)).await;
+            record.is_ok_and(|record| record.is_some_and(|record| record.is_exercise))
+        }
+        None => door.handle.snapshot().mission.is_exercise,
+    };
+    if !is_exercise {
+        return response;
+    }
+    let (mut parts, body) = response.into_parts();
+    parts.headers.remove(header::CONTENT_LENGTH);
+    let page = to_bytes(body, usize::MAX).await.expect("a page is in memory");
+    let mark = format!("<p class=\"exercise\">{}</p>\n{TOP}", language.say("exercise"));
+    Response::from_parts(parts, Body::from(String::from_utf8_lossy(&page).replacen(TOP, &mark, 1)))
 }
 
 /// Statuses that have a title in plain words. All other statuses get the first title, which says that the request was

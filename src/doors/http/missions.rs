@@ -19,7 +19,7 @@ use crate::api::mission_record::{
 use crate::api::receipt::ReceiptListJson;
 use crate::api::retrieval_record::RetrievalRecordJson;
 use crate::api::time::rfc3339;
-use crate::report::receipt::Receipt;
+use crate::report::receipt::{Receipt, ReceiptOf};
 use crate::runtime::archive::{Archive, At, Happened, MissionRecord, PastMoment, Sound, Span, Unreadable};
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::state::fact::{Entry, Fact};
@@ -196,10 +196,13 @@ pub(super) async fn receipts(
     Ok(by_content(&headers, JSON, json(&ReceiptListJson { mission: id, receipts, damage, next })))
 }
 
-pub(super) type Receipts = Vec<(Seq, Result<Receipt, Unreadable>)>;
-
 /// Returns the receipts of a mission after the entry `after`. Also returns the value of `after` for the next page.
-pub(super) async fn receipts_after(door: &HttpDoor, id: u64, after: Seq, limit: u64) -> Result<(Receipts, Option<Seq>), Problem> {
+pub(super) async fn receipts_after(
+    door: &HttpDoor,
+    id: u64,
+    after: Seq,
+    limit: u64,
+) -> Result<(Vec<ReceiptOf>, Option<Seq>), Problem> {
     let (mission, limit) = (MissionId(id), count(limit));
     let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
         Some(_) => Receipt::all(archive, mission, after, limit + 1).map(Some),
@@ -317,6 +320,7 @@ impl From<&MissionRecord> for MissionRecordJson {
             pieces: record.luggage,
             dangerous: record.dangerous,
             left: record.left.iter().map(|luggage| luggage.0).collect(),
+            exercise: record.is_exercise,
             links: Links::of(record.id),
         }
     }

@@ -235,7 +235,8 @@ mod tests {
                 Refused::OpenPoints { mission: MissionId(1), open: Box::new(OpenPoints { bombs: 1, ..OpenPoints::default() }) }
             }
             Some(Refused::OpenPoints { .. }) => Refused::OtherMission(MissionId(2)),
-            Some(Refused::OtherMission(_)) => Refused::NothingSearched,
+            Some(Refused::OtherMission(_)) => Refused::ExerciseOver,
+            Some(Refused::ExerciseOver) => Refused::NothingSearched,
             Some(Refused::NothingSearched) => Refused::AreaTooLarge(4096),
             Some(Refused::AreaTooLarge(_)) => Refused::StoreDown,
             Some(Refused::StoreDown) => Refused::NotKept,

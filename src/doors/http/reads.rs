@@ -58,7 +58,11 @@ pub(super) async fn luggage(State(door): State<HttpDoor>, Number(id): Number, he
     let snapshot = door.handle.snapshot();
     let luggage = record(&door, &snapshot, id).await?;
     let tag = tag(&snapshot.run, ResourceKind::Piece.revision(&snapshot), "json");
-    let json = || resources::shape(Form::Json, &LuggageJson::from(&*luggage));
+    let json = || match snapshot.luggage(luggage.id) {
+        Some(_) => resources::marked(&snapshot, Form::Json, &LuggageJson::from(&*luggage)),
+        // A piece of an earlier mission is not of the exercise of the present one.
+        None => resources::shape(Form::Json, &LuggageJson::from(&*luggage)),
+    };
     Ok(conditional(&headers, &tag, || ([(header::CONTENT_TYPE, "application/json")], json()).into_response()))
 }
 

@@ -43,6 +43,7 @@ problem-unreadable = { $detail }
 
 problem-boundToHall = { $detail }
 problem-notSimulated = { $detail }
+problem-exerciseRunning = { $detail }
 problem-notPaused = { $detail }
 problem-nothingUnderWay = { $detail }
 problem-unusableHall = { $detail }

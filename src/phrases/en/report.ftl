@@ -115,3 +115,18 @@ report-head-entry = at entry { $entry }
 report-confirm = Whoever has the journal can hold this file against it:
 report-proves = The file is confirmed only if not a byte of it, nor of what it was made from, was changed since. This does not prove that the journal was not made anew before this report was handed over, nor that a camera or a thermometer told the truth.
 report-no-head = The journal was kept in memory alone: nothing can confirm this report later.
+
+## The results of an exercise
+
+score-title = How the pieces of the exercise were judged
+score-key = Key
+score-answers = Answers
+score-hits = Test pieces found
+score-misses = Test pieces missed
+score-false-alarms = False alarms
+score-correct-safe = Correctly judged safe
+score-unsure = Unsure
+score-median = Time to answer, median
+score-longest = Time to answer, longest
+score-rate = { $count } ({ $rate } %, 95 % interval: { $low }–{ $high } %)
+score-note = Results appear at the end of the exercise. Rates begin at 10 pieces; their interval is that of Wilson.

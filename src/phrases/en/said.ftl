@@ -102,6 +102,7 @@ refused-unknownLuggage = there is no luggage #{ $id }
 refused-notABomb = luggage #{ $id } is not a bomb in the hall: name a dangerous piece that has not been fetched yet
 refused-openPoints = open points: { $open }; to close the mission with them, send openPoints { $code }
 refused-otherMission = mission { $mission } is under way now: look again, then name that one
+refused-exerciseOver = the test pieces of this exercise are known by now: start hallsweep again for another exercise
 refused-nothingSearched = no searched cell lies in this area: name two corners of an area that the robot has searched
 refused-areaTooLarge = too many cells: at most { $most } can wait to be searched again
 refused-nothingPending = no luggage waits for a verdict

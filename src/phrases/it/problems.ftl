@@ -43,6 +43,7 @@ problem-unreadable = il registro non si può leggere: «{ $detail }»
 
 problem-boundToHall = non è possibile durante una missione: attendere che finisca, o premere ARCHIVIA, che conserva ciò che è stato trovato
 problem-notSimulated = il robot della ricerca non è simulato: non c'è un simulatore da comandare
+problem-exerciseRunning = è in corso un'esercitazione, e il simulatore rivelerebbe i bagagli di prova: sarà visibile quando ogni bagaglio avrà il suo verdetto o la missione sarà chiusa, e si potrà modificare solo dopo un avvio senza --exercise
 problem-notPaused = il simulatore non è in pausa: metterlo prima in pausa, poi andare avanti passo per passo
 problem-nothingUnderWay = nessun robot ha un ordine in corso: un passo porta alla fine di un ordine; premere prima AVVIA
 problem-unusableHall = questa sala non si può usare: «{ $detail }»

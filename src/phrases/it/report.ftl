@@ -115,3 +115,18 @@ report-head-entry = alla voce { $entry }
 report-confirm = Chi ha il registro può confrontarlo con questo file:
 report-proves = Il file è confermato solo se da allora non è cambiato un solo byte, né suo né di ciò da cui è ricavato. Questo non prova che il registro non sia stato rifatto prima della consegna di questo rapporto, né che una fotocamera o un termometro abbiano detto il vero.
 report-no-head = Il registro era tenuto solo in memoria: nulla può confermare questo rapporto in seguito.
+
+## The results of an exercise
+
+score-title = Come sono stati giudicati i bagagli dell'esercitazione
+score-key = Chiave
+score-answers = Risposte
+score-hits = Bagagli di prova trovati
+score-misses = Bagagli di prova non riconosciuti
+score-false-alarms = Falsi allarmi
+score-correct-safe = Sicuri, a ragione
+score-unsure = Incerti
+score-median = Tempo di risposta, mediana
+score-longest = Tempo di risposta, massimo
+score-rate = { $count } ({ $rate } %, intervallo al 95 %: { $low }–{ $high } %)
+score-note = I risultati appaiono alla fine dell’esercitazione. Le percentuali sono indicate a partire da 10 bagagli; l’intervallo è quello di Wilson.

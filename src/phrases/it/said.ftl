@@ -102,6 +102,7 @@ refused-unknownLuggage = non c'è nessun bagaglio #{ $id }
 refused-notABomb = il bagaglio #{ $id } non è una bomba nella sala: indicare un bagaglio pericoloso non ancora recuperato
 refused-openPoints = punti aperti: { $open }; per chiudere la missione con essi, inviare openPoints { $code }
 refused-otherMission = ora è in corso la missione { $mission }: guardare di nuovo, poi indicare quella
+refused-exerciseOver = i bagagli di prova di questa esercitazione sono ormai noti: avviare di nuovo hallsweep per un’altra esercitazione
 refused-nothingSearched = in quest’area non c’è alcuna cella esplorata: indicare due angoli di un’area che il robot ha esplorato
 refused-areaTooLarge = troppe celle: al massimo { $most } possono attendere di essere riesplorate
 refused-nothingPending = nessun bagaglio attende un verdetto

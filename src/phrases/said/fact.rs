@@ -32,7 +32,8 @@ impl Language {
         let say = self.say(id).with("hall", &venue.name).with("threshold", self.celsius(*threshold));
         let said = venue.cell_m.map_or_else(|| say.clone(), |side| say.clone().with("side", self.number(&side.to_string())));
         let rules = self.rules(*rules).into_iter().map(|rule| format!(", {rule}"));
-        std::iter::once(said.to_string()).chain(rules).collect()
+        let exercise = venue.is_exercise.then(|| format!("{}, ", self.say("exercise")));
+        exercise.into_iter().chain([said.to_string()]).chain(rules).collect()
     }
 
     /// Words for each rule that differs from the usual ones.
@@ -114,6 +115,9 @@ impl Language {
                 let say = say.with("id", luggage).with("verdict", self.verdict(verdict.name())).with("who", who);
                 note.as_ref().map_or_else(|| say.clone(), |note| say.clone().with("note", note))
             }
+            Fact::Revealed { luggage, is_test } => {
+                self.say(if *is_test { "fact-test-piece" } else { "fact-no-test-piece" }).with("id", luggage)
+            }
             Fact::Closed(closed) => return self.closed(closed),
             Fact::HandedOver { who, to, note } => {
                 let said = self.say("fact-handed-over").with("to", to).with("who", who).to_string();
@@ -139,7 +143,8 @@ impl Language {
         let others = luggage.judged.iter().map(|judgement| self.judged(judgement));
         let doubts = luggage.unsure.iter();
         let unsure = doubts.map(|Doubt { who, note, hot, .. }| self.unsure(luggage.id, who, *hot, note.as_ref()));
-        unsure.chain(own).chain(others).collect()
+        let truth = luggage.truth.map(|is_test| self.fact(&Fact::Revealed { luggage: luggage.id, is_test }));
+        unsure.chain(own).chain(others).chain(truth).collect()
     }
 
     /// Words for what a search has found. Nobody can say that there is no device.

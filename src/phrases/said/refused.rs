@@ -59,6 +59,7 @@ impl Language {
             | Refused::NothingPending
             | Refused::PhotoUnderWay
             | Refused::NoRetrievalRobot
+            | Refused::ExerciseOver
             | Refused::NothingSearched
             | Refused::StoreDown
             | Refused::NotKept

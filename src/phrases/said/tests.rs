@@ -203,6 +203,7 @@ fn the_journal() {
             seen_from: Vec::new(),
             unsure: Vec::new(),
             judged: Vec::new(),
+            truth: None,
             piece: None,
             secured: None,
             clock_set_ms: 0,
@@ -225,6 +226,8 @@ fn the_journal() {
         Fact::MissionArchived(MissionId(2), Vec::new()),
         Fact::Unsure { luggage: ID, who: "anna".into(), note: Note::new("a shadow"), hot: Hot::NONE },
         Fact::HandedOver { who: "anna".into(), to: Note::new("police").unwrap(), note: Note::new("copy") },
+        Fact::Revealed { luggage: ID, is_test: true },
+        Fact::Revealed { luggage: ID, is_test: false },
         Fact::SearchAgain(Bounds { least: Cell::HOME, most: CELL }),
         closed(None, OpenPoints::default()),
         closed(

@@ -20,6 +20,6 @@ pub(super) use kept_halls::unreadable as unreadable_halls;
 pub(super) use pair::SimPair;
 pub(super) use remote::{Controls, Remote, SimulatedHall};
 pub(super) use robot::SimRobot;
-pub use settings::{UnusableHall, hall, sim_settings};
+pub use settings::{UnusableHall, exercise, hall, sim_settings};
 pub use simulator::SimulatorParts;
 pub(super) use simulator::{Parts, venue};

@@ -13,6 +13,8 @@ pub enum UnusableHall {
     File { name: String, origin: String, error: HallError },
     #[error("setting hall.start: {0}")]
     Start(HallFault),
+    #[error("setting hall.exercise: {0}")]
+    Exercise(HallFault),
 }
 
 pub fn hall(settings: &Settings) -> Result<Arc<Hall>, UnusableHall> {
@@ -20,6 +22,10 @@ pub fn hall(settings: &Settings) -> Result<Arc<Hall>, UnusableHall> {
     let hall = Hall::named_or_file(&settings.hall).map_err(unreadable)?;
     let Some(start) = settings.hall_start else { return Ok(Arc::new(hall)) };
     hall.starting_at(start).map(Arc::new).map_err(UnusableHall::Start)
+}
+
+pub fn exercise(hall: &Hall, pieces: u32, seed: u64) -> Result<Arc<Hall>, UnusableHall> {
+    hall.with_tests(pieces, seed).map(Arc::new).map_err(UnusableHall::Exercise)
 }
 
 pub fn sim_settings(robot: &RobotSettings, camera: Camera) -> SimSettings {

@@ -283,7 +283,8 @@ fn check_blocked(hall: &Hall, blocked: Option<&BTreeSet<Cell>>) -> Result<(), No
 
 pub(in crate::robots) fn venue(hall: &Hall, seed: u64, team: &Arc<[Participant]>) -> Venue {
     let (name, cell_m, reach) = (hall.name().into(), Some(hall.cell_m()), Some(hall.reach()));
-    Venue { name, cell_m, is_reckoned: false, reach, robots: Arc::clone(team), seed: Some(seed) }
+    let (is_exercise, robots) = (hall.is_exercise(), Arc::clone(team));
+    Venue { name, cell_m, is_reckoned: false, reach, robots, is_exercise, seed: (!is_exercise).then_some(seed) }
 }
 
 fn facts(hall: &Hall) -> HallFacts {

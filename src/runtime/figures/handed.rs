@@ -140,6 +140,7 @@ impl CountedFact {
             | Fact::Conditions(_)
             | Fact::Judged(_)
             | Fact::Unsure { .. }
+            | Fact::Revealed { .. }
             | Fact::Closed(_)
             | Fact::HandedOver { .. }
             | Fact::SearchAgain(_)
@@ -245,6 +246,7 @@ mod tests {
             seen_from: Vec::new(),
             unsure: Vec::new(),
             judged: Vec::new(),
+            truth: None,
             piece: None,
             secured: None,
             clock_set_ms: 0,

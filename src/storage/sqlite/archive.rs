@@ -31,7 +31,9 @@ const SEARCHED: u64 = 20_000;
 /// Columns of a mission, in the order in which `record` reads them.
 const MISSION: &str = "SELECT id, strategy, began_ms, began_offset_s, archived_ms, archived_offset_s, phase, left_in_place,
     (SELECT count(*) FROM luggage WHERE mission = missions.id),
-    (SELECT count(*) FROM luggage WHERE mission = missions.id AND verdict = 'danger') FROM missions";
+    (SELECT count(*) FROM luggage WHERE mission = missions.id AND verdict = 'danger'),
+    EXISTS (SELECT 1 FROM (SELECT kind, body FROM events WHERE events.mission = missions.id ORDER BY seq LIMIT 16)
+            WHERE kind = 'conditions' AND json_valid(body) AND body ->> 'exercise') FROM missions";
 
 #[derive(Debug)]
 pub(super) enum SqliteArchive {
@@ -263,6 +265,7 @@ fn record(row: &Row<'_>) -> Result<MissionRecord, Fault> {
         luggage: count(row.get(8)?),
         dangerous: count(row.get(9)?),
         left: project::left_in_place(&row.get::<_, String>(7)?),
+        is_exercise: row.get(10)?,
     })
 }
 

@@ -39,6 +39,10 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
                        WHERE id = ?1 AND json_array_length(record, '$.unsure') > ?2";
             run(connection, sql, params![whole(luggage.0)?, whole(Luggage::MOST_REMEMBERED as u64)?])
         }
+        Fact::Revealed { luggage, is_test } => {
+            let sql = "UPDATE luggage SET record = json_set(record, '$.truth', json(?2)) WHERE id = ?1";
+            run(connection, sql, params![whole(luggage.0)?, is_test.to_string()])
+        }
         Fact::Secured(luggage) => {
             let sql = "UPDATE luggage SET record = json_set(record, '$.secured', json(?2)) WHERE id = ?1";
             run(connection, sql, params![whole(luggage.0)?, journal::moment(wall)])

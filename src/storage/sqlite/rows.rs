@@ -57,7 +57,7 @@ impl Kinds {
             Kinds::All => None,
             Kinds::Named => Some(NAMED),
             Kinds::Milestones => {
-                Some("kind IN ('standing', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict', 'unsure', 'judged', 'secured')")
+                Some("kind IN ('standing', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'verdict', 'unsure', 'judged', 'revealed', 'secured')")
             }
             Kinds::Verdicts => Some("kind IN ('verdict', 'standing')"),
             Kinds::Retrieval => Some("kind IN ('retrieval', 'holds', 'alarmRaised', 'alarmAcknowledged', 'secured', 'phase', 'clockSet')"),
@@ -67,7 +67,7 @@ impl Kinds {
                  'clockSet', 'thermometerSilent')",
             ),
             Kinds::Told => Some(
-                "kind IN ('command', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'unsure', 'judged', 'verdict', 'alarmRaised',
+                "kind IN ('command', 'missionBegan', 'missionArchived', 'phase', 'luggage', 'unsure', 'judged', 'revealed', 'verdict', 'alarmRaised',
                  'alarmAcknowledged', 'programEnded', 'clockSet')",
             ),
             Kinds::OfArchives => Some("kind IN ('writtenOut', 'unpacked')"),

@@ -3,9 +3,9 @@
 //!
 //! The part of a missing client is skipped with a message. With `HALLSWEEP_REQUIRE_CLIENTS=1` it fails.
 
-mod ask;
+pub(crate) mod ask;
 mod beyond;
-mod client;
+pub(crate) mod client;
 mod commanding;
 mod observer;
 mod observing;

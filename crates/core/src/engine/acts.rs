@@ -80,7 +80,14 @@ impl Engine {
     fn begin_mission(&mut self) {
         self.mission.forget_way();
         self.world.touch(Resource::Mission);
+        if let Some(exercise) = &mut self.exercise {
+            exercise.is_begun = true;
+        }
         self.record(Fact::MissionBegan(self.state.mission.next(), self.state.strategy));
+        // The record of an exercise says so itself, also where it is read without the entries before it.
+        if let Some(conditions) = self.state.conditions.clone().filter(|conditions| conditions.venue.is_exercise) {
+            self.record(Fact::Conditions(conditions));
+        }
         // Readings are recorded only when they change. Without this loop, a mission with a constant temperature would
         // have no recorded reading. The operator's reading is not repeated, because it may be old.
         for (source, celsius) in self.world.thermometer.readings() {
@@ -278,6 +285,7 @@ impl Engine {
     /// Archives the mission. Its records stay in the journal.
     pub(super) fn archive(&mut self) {
         self.publish_all_judgements();
+        self.reveal(true);
         if self.state.under_way {
             let bombs = self.state.luggage.bombs_left().map(|luggage| luggage.id).collect();
             self.record(Fact::MissionArchived(self.state.mission, bombs));
@@ -297,6 +305,7 @@ impl Engine {
         let open = self.open_points(&self.state.map, &self.state.luggage, self.state.again.len());
         self.world.touch(Resource::Mission);
         self.record(Fact::Closed(Box::new(Closed { who, name, note, open, wall: self.now.wall })));
+        self.reveal(false);
     }
 
     /// Records to whom the mission is handed over. Nothing follows from it.

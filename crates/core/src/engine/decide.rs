@@ -69,6 +69,7 @@ impl Engine {
         let forbids = |yes: bool, refused: Refused| yes.then_some(refused);
         match guard {
             Guard::Held => self.held(self.state.holds.standing_against_start()),
+            Guard::ExerciseOver => forbids(self.is_exercise_begun(), Refused::ExerciseOver),
             Guard::NoMission if !self.state.under_way => Some(Refused::NotInPhase(phase.name())),
             Guard::NoMission => {
                 let named = context.hand_over.as_ref().and_then(|hand_over| hand_over.mission);

@@ -12,6 +12,7 @@ mod acts;
 mod arms;
 mod coalesced_entries;
 mod decide;
+mod exercise;
 mod facts;
 mod fetch_alone;
 mod judges;
@@ -51,6 +52,7 @@ pub use self::recall::{Recalled, RememberedLine};
 pub use self::repeats::IDS;
 
 use self::coalesced_entries::CoalescedEntries;
+use self::exercise::Exercise;
 use self::judges::Judges;
 use self::mission::Mission;
 use self::on_record::OnRecord;
@@ -99,6 +101,7 @@ pub struct Engine {
     refusals: CoalescedEntries<Note>,
     stops: Stops,
     judges: Judges,
+    exercise: Option<Exercise>,
     /// The epoch of the command that last released the robot.
     released: Option<Epoch>,
     on_record: OnRecord,
@@ -134,6 +137,7 @@ impl Engine {
             refusals: CoalescedEntries::new(refusals::LIMITS),
             stops: Stops::default(),
             judges: Judges::default(),
+            exercise: None,
             released: None,
             on_record: OnRecord::first(strategy),
             seen: None,

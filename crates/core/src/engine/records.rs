@@ -43,6 +43,7 @@ impl Engine {
             verdict: None,
             unsure: Vec::new(),
             judged: Vec::new(),
+            truth: None,
             piece,
             secured: None,
             clock_set_ms: 0,
@@ -145,6 +146,7 @@ impl Engine {
             self.world.write(self.now.wall, Tone::Info, Said::fact(&fact));
         }
         self.state.follow(&fact, wall, self.world.revision());
+        self.reveal(false);
         let input = match verdict {
             Verdict::Safe => Input::SafeRecorded,
             Verdict::Danger => Input::DangerRecorded,

@@ -75,6 +75,7 @@ fn sweep_in(name: PhaseName, holds: &[Hold]) -> Engine {
         seen_from: Vec::new(),
         unsure: Vec::new(),
         judged: Vec::new(),
+        truth: None,
         piece: None,
         secured: None,
         clock_set_ms: 0,

@@ -128,6 +128,8 @@ impl Engine {
             open: self.open_points(self.shown_map(), &shown.luggage, shown.again.len()),
             closed: shown.closed.clone(),
             keep_out: self.keep_out(),
+            is_exercise: self.state.conditions.as_ref().is_some_and(|conditions| conditions.venue.is_exercise),
+            is_truth_hidden: self.is_truth_hidden(),
             clock_set_ms: self.state.clock_set_ms,
             refusals: self.refusals_shown(),
         }

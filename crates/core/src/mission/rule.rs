@@ -58,6 +58,7 @@ named! {
         FetcherUnreached = "a retrieval robot cannot be reached",
         FetcherAbroad = "a robot of an unfinished retrieval is not back at its place",
         NoMission = "no mission is under way, or the command names another one",
+        ExerciseOver = "a mission has begun with the test pieces of this exercise already",
         OpenUnseen = "no mission is under way, or the command does not name its open points",
         AreaUnfit = "the area has no searched cell, or too many",
         FaultStands = "the cause of the fault is still present",

@@ -35,10 +35,11 @@ fn said(fact: &Fact) -> String {
                 "unpacked from the archive {file}, SHA-256 {digest}; begins behind entry {behind}, the digest of whose page is {page}"
             )
         }
-        Fact::Conditions(Conditions { venue: Venue { name, cell_m, is_reckoned, .. }, threshold, rules }) => {
+        Fact::Conditions(Conditions { venue: Venue { name, cell_m, is_reckoned, is_exercise, .. }, threshold, rules }) => {
+            let exercise = if *is_exercise { "EXERCISE, " } else { "" };
             let cells = cell_m.map_or_else(String::new, |side| format!(", cells of {side} m"));
             let reckoned = if *is_reckoned { ", reckoned without a scene file" } else { "" };
-            format!("hall: {name}{cells}{reckoned}, too hot above {threshold}{}", rules_in_words(*rules))
+            format!("{exercise}hall: {name}{cells}{reckoned}, too hot above {threshold}{}", rules_in_words(*rules))
         }
         Fact::State(standing) => {
             let mission = if standing.under_way { format!("mission {}", standing.mission) } else { "no mission".to_owned() };
@@ -84,6 +85,8 @@ fn said(fact: &Fact) -> String {
             let note = Note::in_brackets(note.as_ref());
             format!("answer kept back until now: luggage #{luggage} {}, by {issuer}{}{note}", verdict.name(), answers(*hot))
         }
+        Fact::Revealed { luggage, is_test: true } => format!("luggage #{luggage} was a test piece"),
+        Fact::Revealed { luggage, is_test: false } => format!("luggage #{luggage} was no test piece"),
         Fact::SearchAgain(area) => format!("to be searched again: {} to {}", area.least, area.most),
         Fact::Closed(closed) => {
             let Closed { who, name, note, open, .. } = &**closed;
@@ -249,6 +252,7 @@ mod tests {
             seen_from: Vec::new(),
             unsure: Vec::new(),
             judged: Vec::new(),
+            truth: None,
             piece: None,
             secured: None,
             clock_set_ms: 0,

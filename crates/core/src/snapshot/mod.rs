@@ -118,6 +118,10 @@ pub struct MissionView {
     pub closed: Option<Arc<Closed>>,
     /// The rings round the bombs in the hall that nobody is fetching.
     pub keep_out: KeepOut,
+    /// Whether test pieces stand in the hall.
+    pub is_exercise: bool,
+    /// Whether no door may show the simulated hall, because an exercise is not over.
+    pub is_truth_hidden: bool,
     /// Total of all clock changes since the mission began, in milliseconds.
     pub clock_set_ms: i64,
     pub refusals: Refusals,

@@ -29,7 +29,10 @@ pub struct Venue {
     pub reach: Option<Reach>,
     /// The robots that take part, the one that searches first; empty if they are not recorded.
     pub robots: Arc<[Participant]>,
-    /// The seed of all random numbers in a simulated hall.
+    /// Whether test pieces stand in the hall.
+    pub is_exercise: bool,
+    /// The seed of all random numbers in a simulated hall. In an exercise it is left out, because it says where the
+    /// test pieces stand.
     pub seed: Option<u64>,
 }
 

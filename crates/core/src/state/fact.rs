@@ -89,6 +89,11 @@ pub enum Fact {
     },
     /// The answer of another judge, which was kept back until this entry.
     Judged(Box<Judgement>),
+    /// Whether a judged piece is a test piece of the exercise. It is recorded at the end of the exercise.
+    Revealed {
+        luggage: LuggageId,
+        is_test: bool,
+    },
     /// The person in charge has closed the mission.
     Closed(Box<Closed>),
     /// The mission and its record were handed over to this person or office.

@@ -186,6 +186,7 @@ impl PersistentState {
                     record.judged.push(Judgement::clone(judgement));
                 }
             }),
+            Fact::Revealed { luggage, is_test } => self.luggage.change(*luggage, |record| record.truth = Some(*is_test)),
             Fact::Temperature(source, celsius) if **source == *OPERATOR => self.reading = Some(*celsius),
             Fact::Temperature(..) | Fact::ThermometerSilent(_) => {}
             Fact::AlarmRaised(id, luggage, cause) => self.alarm(*id, *luggage, cause, wall),

@@ -94,6 +94,9 @@ pub enum Refused {
     /// The sender may have looked at an earlier mission.
     #[error("mission {0} is under way now: look again, then name that one")]
     OtherMission(MissionId),
+    /// Whoever knows the test pieces would judge them without looking.
+    #[error("the test pieces of this exercise are known by now: start hallsweep again for another exercise")]
+    ExerciseOver,
     #[error("no searched cell lies in this area: name two corners of an area that the robot has searched")]
     NothingSearched,
     #[error("too many cells: at most {0} can wait to be searched again")]
@@ -133,7 +136,7 @@ pub struct Refusal {
 
 /// Every code with its kind, for refusals that are read back. A test of an interface compares this list with the
 /// variants. The code of `NotOnRecord` is missing, because no command is answered with it.
-pub const CODES: [(&str, RefusalKind); 34] = {
+pub const CODES: [(&str, RefusalKind); 35] = {
     use RefusalKind::{Conflict, Forbidden, Mismatch, Unavailable, Unknown};
     [
         ("held", Conflict),
@@ -162,6 +165,7 @@ pub const CODES: [(&str, RefusalKind); 34] = {
         ("fetcherAbroad", Conflict),
         ("openPoints", Conflict),
         ("otherMission", Conflict),
+        ("exerciseOver", Conflict),
         ("nothingSearched", Conflict),
         ("areaTooLarge", Conflict),
         ("faultStands", Conflict),
@@ -206,6 +210,7 @@ impl Refused {
             | Refused::FetcherAbroad(_)
             | Refused::OpenPoints { .. }
             | Refused::OtherMission(_)
+            | Refused::ExerciseOver
             | Refused::NothingSearched
             | Refused::AreaTooLarge(_)
             | Refused::FaultStands(_) => RefusalKind::Conflict,
@@ -242,6 +247,7 @@ impl Refused {
             Refused::FetcherAbroad(_) => "fetcherAbroad",
             Refused::OpenPoints { .. } => "openPoints",
             Refused::OtherMission(_) => "otherMission",
+            Refused::ExerciseOver => "exerciseOver",
             Refused::NothingSearched => "nothingSearched",
             Refused::AreaTooLarge(_) => "areaTooLarge",
             Refused::FaultStands(_) => "faultStands",

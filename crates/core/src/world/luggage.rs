@@ -25,6 +25,8 @@ pub struct Luggage {
     pub unsure: Vec<Doubt>,
     /// The answers of other judges, which were kept back until the verdict.
     pub judged: Vec<Judgement>,
+    /// Whether this is a test piece of an exercise; `None` until the exercise is over, and outside exercises.
+    pub truth: Option<bool>,
     /// The number that the camera recognised, if it recognised one.
     pub piece: Option<Piece>,
     pub secured: Option<WallTime>,

@@ -7,5 +7,6 @@ pub mod luggage;
 mod mark;
 pub mod records;
 pub mod resource;
+pub mod scores;
 pub mod temperature;
 mod tiles;

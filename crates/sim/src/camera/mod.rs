@@ -162,7 +162,7 @@ mod tests {
     #[test]
     fn an_exercise_shows_on_every_photo_and_a_test_piece_on_its_own() {
         let hall = |marks: &str| {
-            Hall::parse("test.toml", &format!("drawing = \"\"\"\n...\n.a.\n...\n..S\n\"\"\"\n[[luggage]]\nmark = \"a\"\nkind = \"suitcase\"\ncolour = \"red\"\n{marks}"))
+            Hall::parse("test.toml", &format!("drawing = \"\"\"\n......\n.a....\n......\n..S...\n......\n\"\"\"\n[[luggage]]\nmark = \"a\"\nkind = \"suitcase\"\ncolour = \"red\"\n{marks}"))
                 .unwrap()
         };
         assert_eq!(from_south(hall(""), 1), from_south(hall("dangerous = true\n"), 1), "no picture outside exercises tells");

@@ -1,5 +1,5 @@
-//! The hall of an exercise: test pieces stand among the ordinary ones. Who knows the hall without them must not be able
-//! to tell them apart, so the test pieces are drawn from all pieces, and not from the added ones alone.
+//! The hall of an exercise: test pieces stand among the ordinary ones. People who know the hall must not be able to
+//! tell them apart, so the test pieces are drawn from all pieces, and not from the added ones alone.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -9,35 +9,32 @@ use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::{Cell, Piece};
 
 impl Hall {
-    /// Maximum number of test pieces. A person judges no more in a day.
-    pub const MOST_TESTS: u32 = 100;
-
-    /// Returns the hall with `count` more pieces, of which the same number are test pieces. Each of them can be
-    /// inspected, and every other cell that could be reached stays so. All other pieces are harmless. Numbers follow
+    /// Returns the hall with `count` test pieces among all pieces. Twice as many pieces are added, so that most pieces
+    /// are no test pieces even in a hall without luggage. Each test piece can be inspected, and every other cell that could be reached stays so. All other pieces are harmless. Numbers follow
     /// the reading order, as in a hall file.
     ///
     /// # Errors
-    /// When the hall has no room for so many pieces.
+    /// When the hall has no room for all of them.
     pub fn with_tests(&self, count: u32, seed: u64) -> Result<Hall, HallFault> {
         let mut stream = RandomStream::new(seed, "exercise");
         let mut hall = self.clone();
         hall.is_exercise = true;
         let mut free: Vec<Cell> = self.reachable().into_iter().collect();
         shuffle(&mut free, &mut stream);
-        let mut planted = 0;
+        let (mut planted, wanted) = (0, count.saturating_mul(2));
         for cell in free {
-            if planted < count && hall.has_room_at(cell) {
+            if planted < wanted && hall.has_room_at(cell) {
                 planted += 1;
                 hall.put(cell, &mut stream);
             }
         }
-        if planted < count {
-            return Err(HallFault::NoRoomForTests { wanted: count, room: planted });
+        if planted < wanted {
+            return Err(HallFault::NoRoomForTests { wanted: count, room: planted / 2 });
         }
         hall.number_anew();
         let mut tests: Vec<Piece> = hall.inspectable().into_keys().collect();
         shuffle(&mut tests, &mut stream);
-        tests.truncate(planted as usize);
+        tests.truncate(count as usize);
         hall.bags.iter_mut().for_each(|bag| bag.dangerous = tests.contains(&bag.piece));
         Ok(hall)
     }
@@ -130,13 +127,17 @@ mod tests {
             for (count, seed) in [(1, 1), (3, 2), (8, 3), (8, u64::MAX)] {
                 let Ok(exercise) = hall.with_tests(count, seed) else { continue };
                 let added: BTreeSet<Cell> = hall.reachable().difference(&exercise.reachable()).copied().collect();
-                assert_eq!(added.len(), count as usize, "{name}: only the cells of the added pieces are lost");
+                assert_eq!(added.len(), 2 * count as usize, "{name}: only the cells of the added pieces are lost");
                 assert!(added.iter().all(|cell| matches!(exercise.truth(*cell), Truth::Luggage(_))), "{name}");
                 assert!(!added.contains(&Cell::HOME) && Cell::HOME.neighbours().iter().all(|cell| !added.contains(cell)));
                 assert_eq!(exercise.unreachable_pieces().len(), hall.unreachable_pieces().len(), "{name}");
                 let tests = exercise.pieces().iter().filter(|bag| bag.dangerous).count();
                 assert_eq!(tests, exercise.inspectable().values().filter(|is_test| **is_test).count());
-                assert_eq!((tests, exercise.pieces().len()), (count as usize, hall.pieces().len() + count as usize), "{name}");
+                assert_eq!(
+                    (tests, exercise.pieces().len()),
+                    (count as usize, hall.pieces().len() + 2 * count as usize),
+                    "{name}"
+                );
             }
         }
     }
@@ -176,8 +177,8 @@ mod tests {
     #[test]
     fn a_hall_without_room_says_how_many_it_has_room_for() {
         let corridor = Hall::from_rows("test", &["S....."]).unwrap();
-        let tests = corridor.with_tests(1, 1).unwrap();
-        assert_eq!(tests.truth(Cell::new(5, 0)), Truth::Luggage(Piece(1)), "the end of the corridor");
+        let fault = HallFault::NoRoomForTests { wanted: 1, room: 0 };
+        assert_eq!(corridor.with_tests(1, 1), Err(fault), "only its end blocks no way");
         let error = Hall::from_rows("test", &["S."]).unwrap().with_tests(2, 1).unwrap_err();
         assert_eq!(error, HallFault::NoRoomForTests { wanted: 2, room: 0 });
         assert!(error.to_string().contains("2 test pieces"), "{error}");
@@ -186,7 +187,7 @@ mod tests {
     #[test]
     fn a_piece_is_never_hidden_behind_another() {
         for seed in 0..40 {
-            let hall = Hall::from_rows("test", &["S....", "....#", "..#.#", "....."]).unwrap().with_tests(3, seed).unwrap();
+            let hall = Hall::from_rows("test", &["S....", "....#", "..#.#", "....."]).unwrap().with_tests(1, seed).unwrap();
             assert!(hall.unreachable_pieces().is_empty(), "seed {seed}");
         }
     }

@@ -83,6 +83,7 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
             note,
             hot
         }),
+        (any::<u64>(), any::<bool>()).prop_map(|(id, is_test)| Fact::Revealed { luggage: LuggageId(id), is_test }),
         judgement().prop_map(|judgement| Fact::Judged(Box::new(judgement))),
         (any::<u64>(), verdict(), text(), note(), hot()).prop_map(|(id, verdict, who, note, hot)| Fact::Verdict {
             hot,
@@ -143,7 +144,7 @@ fn conditions() -> impl Strategy<Value = Conditions> {
         kind: kind.into(),
         address: address.map(Into::into),
     });
-    let side = (option::of(0.01..100.0), any::<bool>());
+    let side = (option::of(0.01..100.0), any::<bool>(), any::<bool>());
     let rings = prop_oneof![Just(0.0), 0.1..Rules::WIDEST_M];
     let rules = (one_of(&AfterDanger::ALL), rings, one_of(&SafeBy::ALL), one_of(&HotRule::ALL), 0..=Rules::MOST_VIEWS);
     let rules = rules.prop_map(|(after_danger, keep_out_m, safe_by, hot, unsure_views)| Rules {
@@ -154,8 +155,8 @@ fn conditions() -> impl Strategy<Value = Conditions> {
         unsure_views,
     });
     (text(), side, celsius(), reach, vec(robot, 0..3), option::of(any::<u64>()), rules).prop_map(
-        |(hall, (cell_m, is_reckoned), threshold, reach, robots, seed, rules)| Conditions {
-            venue: Venue { name: hall.into(), cell_m, is_reckoned, reach, robots: robots.into(), seed },
+        |(hall, (cell_m, is_reckoned, is_exercise), threshold, reach, robots, seed, rules)| Conditions {
+            venue: Venue { name: hall.into(), cell_m, is_reckoned, reach, robots: robots.into(), is_exercise, seed },
             threshold,
             rules,
         },
@@ -477,11 +478,20 @@ fn luggage() -> impl Strategy<Value = Luggage> {
     let decision = decision.prop_map(|(verdict, who, wall, note, hot)| Decision { verdict, who: who.into(), wall, note, hot });
     let doubt = (text(), wall(), note(), hot());
     let doubt = doubt.prop_map(|(who, wall, note, hot)| Doubt { who: who.into(), wall, note, hot });
-    let decision = (option::of(decision), vec(judgement(), 0..2), vec(doubt, 0..2));
+    let decision = (option::of(decision), vec(judgement(), 0..2), vec(doubt, 0..2), option::of(any::<bool>()));
     let pose = (pose(), vec(pose(), 0..3));
     let piece = option::of(any::<u32>().prop_map(Piece));
     (any::<u64>(), cell(), pose, wall(), photo, decision, piece, (option::of(wall()), any::<i64>(), wall())).prop_map(
-        |(id, cell, (pose, seen_from), taken, photo, (verdict, judged, unsure), piece, (secured, clock_set_ms, first_taken))| {
+        |(
+            id,
+            cell,
+            (pose, seen_from),
+            taken,
+            photo,
+            (verdict, judged, unsure, truth),
+            piece,
+            (secured, clock_set_ms, first_taken),
+        )| {
             Luggage {
                 id: LuggageId(id),
                 cell,
@@ -493,6 +503,7 @@ fn luggage() -> impl Strategy<Value = Luggage> {
                 verdict,
                 unsure,
                 judged,
+                truth,
                 piece,
                 secured,
                 clock_set_ms,

@@ -20,7 +20,7 @@ use crate::access::Need;
 use crate::api::luggage::photo_url;
 use crate::api::time::{Zone, rfc3339};
 use crate::phrases::{Language, Phrase};
-use crate::report::receipt::Receipt;
+use crate::report::receipt::ReceiptOf;
 use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
 use hallsweep_core::command::Strategy;
 use hallsweep_core::phase::PhaseName;
@@ -149,7 +149,7 @@ struct Receipts {
     language: Language,
     mission: MissionId,
     after: Seq,
-    receipts: Vec<(Seq, Result<Receipt, Unreadable>)>,
+    receipts: Vec<ReceiptOf>,
     next: Option<Seq>,
     zone: Zone,
     /// Whether the mission is under way, and the reader may give commands.

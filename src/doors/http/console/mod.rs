@@ -439,7 +439,7 @@ mod tests {
         assert!(page.contains("<b>Mission 1</b>") && page.contains("action=\"./console/handOver\""), "{page}");
         let typed = "to=Police+%3Cb%3E&note=with%0Aphotos&mission=1";
         let done = app.form("/console/handOver", typed).await;
-        assert_eq!((done.status().as_u16(), &done.headers()["location"]), (303, &"/missions/1/receipts".parse().unwrap()));
+        assert_eq!((done.status().as_u16(), &done.headers()["location"]), (303, &"../missions/1/receipts".parse().unwrap()));
         let Command::HandOver(over) = app.last().command else { panic!("{:?}", app.last()) };
         assert_eq!((over.to.text(), over.note.as_ref().map(Note::text)), ("Police <b>", Some("with photos")));
         assert_eq!(over.mission, Some(MissionId(1)), "the mission that the page named");

@@ -182,11 +182,13 @@ fn simulator(schemas: &mut Schemas) -> Vec<Operation> {
     let now = schemas.sent::<SimulatorJson<'static>>();
     let of = |method, path, id, what| Operation::new(method, path, id, Simulator, what);
     let after = |operation: Operation| operation.answers(JSON, now.clone()).also(&[Conflict, NotFound]);
-    let toml = |path, id, what| of(Method::GET, path, id, what).answers("application/toml", text()).also(&[NotFound]);
+    let toml = |path, id, what| of(Method::GET, path, id, what).answers("application/toml", text()).also(&[Conflict, NotFound]);
     // The description names two media types, but a hall file is accepted with any media type.
     const FILE: &[&str] = &["application/octet-stream", "application/toml"];
     vec![
-        of(Method::GET, "/api/v1/simulator", "getSimulator", "Simulator state").answers(JSON, now.clone()).also(&[NotFound]),
+        of(Method::GET, "/api/v1/simulator", "getSimulator", "Simulator state")
+            .answers(JSON, now.clone())
+            .also(&[Conflict, NotFound]),
         after(of(Method::PUT, "/api/v1/simulator", "changeSimulator", "Change the speed, the pause or the faults")).takes(
             &[JSON],
             schemas.taken::<ChangeBody>(),
@@ -210,7 +212,7 @@ fn simulator(schemas: &mut Schemas) -> Vec<Operation> {
             .asked("name", "Name of the file; the extension decides the format.", usual(text(), "hall.toml"))
             .answers(JSON, schemas.sent::<ReadHall>())
             .takes(FILE, text(), true)
-            .also(&[NotFound]),
+            .also(&[Conflict, NotFound]),
     ]
 }
 

@@ -7,8 +7,8 @@ mod page;
 use std::sync::Arc;
 
 use axum::extract::{FromRequestParts, State};
-use axum::http::header;
 use axum::http::request::Parts;
+use axum::http::{Method, header};
 use axum::response::{IntoResponse, Response};
 
 use super::HttpDoor;
@@ -59,6 +59,13 @@ impl FromRequestParts<HttpDoor> for Asker {
             let detail = "the searching robot is not simulated, so there is no simulator to control".to_owned();
             Problem::new(("notSimulated", ProblemKind::NotFound), detail)
         })?;
+        let mission = &door.handle.snapshot().mission;
+        let is_reading = matches!(parts.method, Method::GET | Method::HEAD);
+        if mission.is_truth_hidden || mission.is_exercise && !is_reading {
+            let detail = "an exercise runs, and the simulator would tell which pieces are test pieces: it is shown when every piece \
+                          has its verdict or the mission is closed, and can be changed after a start without --exercise";
+            return Err(Problem::new(("exerciseRunning", ProblemKind::Conflict), detail.to_owned()));
+        }
         Ok(Asker { door: door.clone(), simulator, caller, peer, language: spoken(&parts.headers) })
     }
 }

@@ -38,6 +38,7 @@ pub(super) fn missions() -> [MissionRecord; 2] {
         luggage: 3,
         dangerous: 1,
         left: vec![LuggageId(2)],
+        is_exercise: false,
     };
     let second = MissionRecord {
         id: MissionId(2),

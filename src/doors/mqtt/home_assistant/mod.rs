@@ -21,6 +21,7 @@ pub struct State {
     pub activity: Activity,
     /// Whether there is an unacknowledged alarm, or a dangerous piece that is not secured.
     pub alarm: bool,
+    pub is_exercise: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,7 +37,11 @@ pub enum Activity {
 impl State {
     /// The state in JSON, such as `{"state":"cleaning","alarm":false}`.
     pub fn json(self) -> Value {
-        json!({"state": self.activity.name(), "alarm": self.alarm})
+        let mut state = json!({"state": self.activity.name(), "alarm": self.alarm});
+        if self.is_exercise {
+            state["exercise"] = true.into();
+        }
+        state
     }
 }
 
@@ -54,7 +59,7 @@ impl Activity {
 }
 
 pub fn state(snapshot: &Snapshot) -> State {
-    State { activity: activity(snapshot), alarm: is_alarmed(snapshot) }
+    State { activity: activity(snapshot), alarm: is_alarmed(snapshot), is_exercise: snapshot.mission.is_exercise }
 }
 
 /// Derives the activity from the phase and the holds. A robot that is under way and held is `Paused`. If START cannot

@@ -171,6 +171,6 @@ fn an_alarm_stands_until_it_is_seen_and_a_danger_until_it_is_secured() {
 
 #[test]
 fn the_state_is_written_as_a_vacuum_reads_it() {
-    let state = State { activity: Activity::Returning, alarm: true };
+    let state = State { activity: Activity::Returning, alarm: true, is_exercise: false };
     assert_eq!(state.json().to_string(), r#"{"alarm":true,"state":"returning"}"#);
 }

@@ -96,6 +96,7 @@ fn harmless() -> impl Strategy<Value = Fact> {
                 | Fact::MissionArchived(..)
                 | Fact::Judged(_)
                 | Fact::Unsure { .. }
+                | Fact::Revealed { .. }
                 | Fact::Verdict { .. }
                 | Fact::Luggage { .. }
                 | Fact::Secured(_)

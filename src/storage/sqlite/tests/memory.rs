@@ -41,6 +41,7 @@ fn luggage(id: u64, photo: Result<&str, &str>) -> Entry {
         seen_from: Vec::new(),
         unsure: Vec::new(),
         judged: Vec::new(),
+        truth: None,
         piece: None,
         secured: None,
         clock_set_ms: 0,

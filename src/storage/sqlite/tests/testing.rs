@@ -169,6 +169,7 @@ pub(super) fn found(id: u64, photo: Option<Photo>) -> Fact {
         seen_from: Vec::new(),
         unsure: Vec::new(),
         judged: Vec::new(),
+        truth: None,
         piece: None,
         secured: None,
         clock_set_ms: 0,

@@ -17,7 +17,9 @@ use crate::phase::PhaseName;
 
 pub(super) const fn idle(input: PhaseInput) -> &'static [Rule] {
     match input {
-        PhaseInput::Start => &[RefuseIf(Guard::Held), Go(Phase(PhaseName::Exploring), &[Release, Begin])],
+        PhaseInput::Start => {
+            &[RefuseIf(Guard::Held), RefuseIf(Guard::ExerciseOver), Go(Phase(PhaseName::Exploring), &[Release, Begin])]
+        }
         PhaseInput::BackHome | PhaseInput::GoOn | PhaseInput::Retrieve | PhaseInput::Close | PhaseInput::SearchAgain => NOT_HERE,
         PhaseInput::RetakePhoto => RETAKE_ELSEWHERE,
         PhaseInput::Move | PhaseInput::Goto => DRIVE,

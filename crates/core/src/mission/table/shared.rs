@@ -29,6 +29,7 @@ pub(super) const EXPLORE_AGAIN: &[Rule] = &[
     RefuseIf(Guard::Held),
     RefuseIf(Guard::VerdictPending),
     RefuseIf(Guard::BombUnfetched),
+    RefuseIf(Guard::ExerciseOver),
     Go(Phase(PhaseName::Exploring), &[Archive, Release, EmptyMap, Begin]),
 ];
 pub(super) const GO_HOME: &[Rule] = &[RefuseIf(Guard::Held), Go(Phase(PhaseName::ReturningHome), &[Release])];

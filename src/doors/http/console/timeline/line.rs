@@ -311,6 +311,7 @@ fn class(fact: &Fact) -> Option<&'static str> {
         | Fact::Holds(_)
         | Fact::Judged(_)
         | Fact::Unsure { .. }
+        | Fact::Revealed { .. }
         | Fact::Closed(_)
         | Fact::HandedOver { .. }
         | Fact::SearchAgain(_)
