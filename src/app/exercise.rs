@@ -11,85 +11,56 @@ use crate::storage::names;
 use crate::storage::small_file::SmallFile;
 use crate::storage::sqlite::ReadOnlyJournal;
 use hallsweep_core::state::PersistentState;
-use hallsweep_core::units::MissionId;
 
 /// Maximum size of the file in bytes: two numbers with their names.
 const MOST: usize = 256;
 
-/// Returns the settings with the seed of the exercise: the kept one while the exercise is under way, otherwise the given
-/// one, or one that nobody can guess.
+/// Returns the settings with the seed of the exercise: the kept one while the exercise may be under way, otherwise the
+/// given one, or one that nobody can guess.
 pub(super) fn settled(settings: &Settings) -> Result<Settings, AppError> {
     let mut settled = settings.clone();
+    let Some(exercise) = &settings.exercise else { return Ok(settled) };
     let folder = settings.store.as_deref().unwrap_or(Path::new(""));
-    let (present, kept) = (present(folder), kept(folder));
-    let is_same =
-        |kept: &Exercise, given: &Exercise| kept.pieces == given.pieces && (given.seed.is_none() || given.seed == kept.seed);
-    let same = kept.as_ref().zip(settings.exercise.as_ref()).filter(|(kept, given)| is_same(kept, given));
-    let same = same.and_then(|(kept, _)| kept.seed);
-    let given = settings.exercise.as_ref().and_then(|exercise| exercise.seed);
-    settled.robot.seed = match (present, &settings.exercise) {
-        (Present::Mission(mission, true), Some(_)) if kept.is_none() => {
-            given.ok_or_else(|| AppError::ExerciseLost(mission, folder.to_owned()))?
-        }
-        (Present::Mission(mission, true), _) => {
-            let pieces = kept.map_or_else(|| "NUMBER".to_owned(), |kept| kept.pieces.to_string());
-            same.ok_or_else(|| AppError::MissionExercise(mission, folder.to_owned(), pieces))?
-        }
-        (Present::Mission(mission, false), Some(_)) => return Err(AppError::MissionNoExercise(mission, folder.to_owned())),
-        // A journal that cannot be read now may be put back, so its exercise must not change.
-        (Present::Unknown, Some(_)) if same.is_some() => same.unwrap_or_default(),
-        (Present::Unknown | Present::Nothing, Some(_)) => given.map_or_else(drawn, Ok)?,
-        (_, None) => return Ok(settled),
-    };
+    let is_same = |kept: &Exercise| kept.pieces == exercise.pieces && (exercise.seed.is_none() || exercise.seed == kept.seed);
+    let kept = kept(folder).filter(|kept| is_same(kept) && !is_idle(folder));
+    settled.robot.seed = kept.map_or(exercise.seed, |kept| kept.seed).map_or_else(drawn, Ok)?;
     Ok(settled)
 }
 
-/// Refuses to mix exercise and reality, now that the journal was recalled, and keeps the settled seed. `settled`
-/// may not have been able to read the journal. Returns whether the test pieces are known.
+/// Whether the journal says that no mission is under way. A journal that cannot be read now may be put back, so its
+/// exercise must not change.
+fn is_idle(folder: &Path) -> bool {
+    let missions = ReadOnlyJournal::open(folder).and_then(|journal| journal.archive().missions(None, 1));
+    missions.is_ok_and(|missions| missions.iter().all(|mission| mission.archived.is_some()))
+}
+
+/// Refuses to mix exercise and reality, now that the journal was recalled, and keeps the settled seed. Returns whether
+/// the test pieces are known.
 pub(super) fn check(settings: &Settings, data: &DataFolder) -> Result<bool, AppError> {
     let Some(folder) = &settings.store else { return Ok(true) };
     let state = data.recalled.as_ref().map(|recalled| &recalled.state).filter(|state| state.under_way);
     let is_exercise = |state: &PersistentState| state.conditions.as_ref().is_some_and(|conditions| conditions.venue.is_exercise);
     let present = state.map(|state| (state.mission, is_exercise(state)));
     let kept = kept(folder);
-    match (present, &settings.exercise) {
-        (Some((mission, false)), Some(_)) => return Err(AppError::MissionNoExercise(mission, folder.clone())),
-        (Some((_, true)), Some(_)) if kept.is_none() => return Ok(false),
-        (Some((mission, true)), given) => {
-            let same = given
-                .as_ref()
-                .zip(kept.as_ref())
-                .filter(|(given, kept)| given.pieces == kept.pieces && kept.seed == Some(settings.robot.seed));
-            let pieces = kept.as_ref().map_or_else(|| "NUMBER".to_owned(), |kept| kept.pieces.to_string());
-            same.ok_or_else(|| AppError::MissionExercise(mission, folder.clone(), pieces))?;
+    let is_kept = |given: &Exercise, kept: &Exercise| given.pieces == kept.pieces && kept.seed == Some(settings.robot.seed);
+    match (present, &settings.exercise, &kept) {
+        (None | Some((_, false)), None, _) => return Ok(true),
+        (Some((mission, false)), Some(_), _) => return Err(AppError::MissionNoExercise(mission, folder.clone())),
+        (Some((mission, true)), Some(given), None) => {
+            return given.seed.map(|_| false).ok_or_else(|| AppError::ExerciseLost(mission, folder.clone()));
         }
-        (_, None) => return Ok(true),
-        // The journal may be put back, and its exercise goes on then.
-        (None, Some(_)) if data.is_unread => return Ok(true),
-        (None, Some(_)) => {}
+        (Some((_, true)), Some(given), Some(kept)) if is_kept(given, kept) => {}
+        (Some((mission, true)), _, _) => {
+            let pieces = kept.map_or_else(|| "NUMBER".to_owned(), |kept| kept.pieces.to_string());
+            return Err(AppError::MissionExercise(mission, folder.clone(), pieces));
+        }
+        (None, Some(_), _) if data.is_unread => {}
+        (None, Some(given), _) => {
+            let text = format!("pieces {}\nseed {}\n", given.pieces, settings.robot.seed);
+            SmallFile::within(folder, names::EXERCISE).make(text.as_bytes()).map_err(AppError::System)?;
+        }
     }
-    let Some(exercise) = &settings.exercise else { return Ok(true) };
-    let text = format!("pieces {}\nseed {}\n", exercise.pieces, settings.robot.seed);
-    SmallFile::within(folder, names::EXERCISE).make(text.as_bytes()).map_err(AppError::System)?;
     Ok(true)
-}
-
-/// What is under way in a data folder.
-enum Present {
-    /// The mission, and whether it is an exercise.
-    Mission(MissionId, bool),
-    Nothing,
-    /// There is no journal, or it cannot be read. The start then says what is wrong with it.
-    Unknown,
-}
-
-fn present(folder: &Path) -> Present {
-    let missions = ReadOnlyJournal::open(folder).and_then(|journal| journal.archive().missions(None, 1));
-    match missions.map(|missions| missions.into_iter().find(|mission| mission.archived.is_none())) {
-        Ok(Some(mission)) => Present::Mission(mission.id, mission.is_exercise),
-        Ok(None) => Present::Nothing,
-        Err(_) => Present::Unknown,
-    }
 }
 
 fn kept(folder: &Path) -> Option<Exercise> {

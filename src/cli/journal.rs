@@ -42,7 +42,7 @@ enum What {
         /// Also confirm this receipt for a hand-over, by its code, such as 2-1041-9f86d081884c7d65; may be given several
         /// times. The archives of --archive are searched, too.
         #[arg(long, value_name = "CODE", value_parser = receipt_code)]
-        receipt: Vec<String>,
+        receipt: Vec<(String, MissionId, Seq)>,
     },
     /// Move old missions to an archive, and check the archive. Old missions are those that were put away (by RESET or
     /// the next START) before a given day. No hallsweep may be using the data folder.
@@ -180,16 +180,22 @@ fn hold_together(reading: &ReadOnlyJournal, archives: &[PathBuf]) -> Result<(), 
     Err(Failure::Run(format!("{looked_at}; faults found: {}", faults.len())))
 }
 
-fn receipt_code(text: &str) -> Result<String, String> {
+/// Reads the code of a receipt, with its mission and its entry.
+fn receipt_code(text: &str) -> Result<(String, MissionId, Seq), String> {
     let wrong = || "write mission, entry and 16 digits, as on the receipt, such as 2-1041-9f86d081884c7d65".to_owned();
     let code = text.trim().to_ascii_lowercase();
-    Receipt::parse_code(&code).map(|_| code).ok_or_else(wrong)
+    let (mission, seq) = Receipt::parse_code(&code).ok_or_else(wrong)?;
+    Ok((code, mission, seq))
 }
 
 /// Looks for the hand-over in the journal, and in the given archives.
-fn confirm_receipt(journal: &ReadOnlyJournal, archives: &[PathBuf], code: &str) -> Result<(), Failure> {
+fn confirm_receipt(
+    journal: &ReadOnlyJournal,
+    archives: &[PathBuf],
+    (code, mission, seq): &(String, MissionId, Seq),
+) -> Result<(), Failure> {
+    let (mission, seq) = (*mission, *seq);
     let refused = |why: String| Failure::Run(format!("the receipt {code} is not confirmed: {why}"));
-    let Some((mission, seq)) = Receipt::parse_code(code) else { return Ok(()) };
     let mut receipt = Receipt::of(&*journal.archive(), mission, seq)?;
     for file in archives {
         if receipt.is_none() {
@@ -209,7 +215,7 @@ fn confirm_receipt(journal: &ReadOnlyJournal, archives: &[PathBuf], code: &str) 
             ),
         }));
     };
-    if own.as_deref() != Some(code) {
+    if own.as_ref() != Some(code) {
         let why =
             "the digest differs: the code is not copied rightly, this is another journal, or it was changed after the hand-over";
         return Err(refused(format!("entry {seq} is a hand-over, but {why}")));

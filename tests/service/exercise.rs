@@ -207,6 +207,8 @@ fn a_restart_continues_the_same_exercise_and_nothing_else() {
     program.killer()();
     drop(program);
 
+    let robot = || std::fs::read(folder.path().join("simulated-robot.txt")).expect("it is there");
+    let stands = robot();
     for (more, words) in [
         (&[][..], "--exercise 6 and without --seed"),
         (&["--exercise", "5"], "--exercise 6 and without --seed"),
@@ -214,6 +216,7 @@ fn a_restart_continues_the_same_exercise_and_nothing_else() {
     ] {
         let why = refusal(&folder, more);
         assert!(why.contains("mission 1") && why.contains("is an exercise that is under way") && why.contains(words), "{why}");
+        assert_eq!(robot(), stands, "a start that is refused moves no robot");
     }
     let program = serve(&folder, &["--exercise", "6"]);
     assert_eq!(cells(&program), before);

@@ -19,7 +19,7 @@ use crate::api::mission_record::{
 use crate::api::receipt::ReceiptListJson;
 use crate::api::retrieval_record::RetrievalRecordJson;
 use crate::api::time::rfc3339;
-use crate::report::receipt::{Receipt, ReceiptOf};
+use crate::report::receipt::Receipt;
 use crate::runtime::archive::{Archive, At, Happened, MissionRecord, PastMoment, Sound, Span, Unreadable};
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::state::fact::{Entry, Fact};
@@ -113,7 +113,8 @@ pub(super) async fn events(
     listed(&door, id, &query, &headers, "events", entries).await
 }
 
-pub(super) type Which = fn(&dyn Archive, MissionId, Seq, usize) -> Result<Vec<Happened>, Unreadable>;
+/// Reads things of a mission after an entry, each with its entry.
+pub(super) type Which<T> = fn(&dyn Archive, MissionId, Seq, usize) -> Result<Vec<(Seq, T)>, Unreadable>;
 
 fn entries(archive: &dyn Archive, mission: MissionId, after: Seq, most: usize) -> Result<Vec<Happened>, Unreadable> {
     archive.entries(mission, Span::after(after), most)
@@ -125,7 +126,7 @@ async fn listed(
     query: &Query,
     headers: &HeaderMap,
     name: &str,
-    which: Which,
+    which: Which<Result<Entry, Unreadable>>,
 ) -> Result<Response, Problem> {
     query.only(&["after", "limit"])?;
     let limit = query.count("limit", 1..=EVENTS)?.unwrap_or(EVENTS);
@@ -184,7 +185,7 @@ pub(super) async fn receipts(
 ) -> Result<Response, Problem> {
     query.only(&["after", "limit"])?;
     let limit = query.count("limit", 1..=RECEIPTS)?.unwrap_or(RECEIPTS);
-    let (found, next) = receipts_after(&door, id, after(&query)?, limit).await?;
+    let (found, next) = of_these(&door, id, after(&query)?, limit, Receipt::all).await?;
     let next = next.map(|after| format!("{}/receipts?after={after}&limit={limit}", Links::of(MissionId(id)).itself));
     let (mut receipts, mut damage) = (Vec::new(), Vec::new());
     for (seq, receipt) in found {
@@ -194,25 +195,6 @@ pub(super) async fn receipts(
         }
     }
     Ok(by_content(&headers, JSON, json(&ReceiptListJson { mission: id, receipts, damage, next })))
-}
-
-/// Returns the receipts of a mission after the entry `after`. Also returns the value of `after` for the next page.
-pub(super) async fn receipts_after(
-    door: &HttpDoor,
-    id: u64,
-    after: Seq,
-    limit: u64,
-) -> Result<(Vec<ReceiptOf>, Option<Seq>), Problem> {
-    let (mission, limit) = (MissionId(id), count(limit));
-    let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
-        Some(_) => Receipt::all(archive, mission, after, limit + 1).map(Some),
-        None => Ok(None),
-    });
-    let mut receipts = found.await?.ok_or_else(|| unknown(id))?;
-    let more = receipts.len() > limit;
-    receipts.truncate(limit);
-    let next = receipts.last().map(|(seq, _)| *seq).filter(|_| more);
-    Ok((receipts, next))
 }
 
 pub(super) fn before(query: &Query) -> Result<Option<MissionId>, Problem> {
@@ -259,13 +241,14 @@ pub(super) async fn happened(door: &HttpDoor, id: u64, after: Seq, limit: u64) -
     of_these(door, id, after, limit, entries).await
 }
 
-pub(super) async fn of_these(
+/// Returns at most `limit` things of a mission, and the value of `after` for the next page.
+pub(super) async fn of_these<T: Send + 'static>(
     door: &HttpDoor,
     id: u64,
     after: Seq,
     limit: u64,
-    which: Which,
-) -> Result<(Vec<Happened>, Option<Seq>), Problem> {
+    which: Which<T>,
+) -> Result<(Vec<(Seq, T)>, Option<Seq>), Problem> {
     let (mission, limit) = (MissionId(id), count(limit));
     let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
         Some(_) => which(archive, mission, after, limit + 1).map(Some),

@@ -35,20 +35,19 @@ impl Engine {
     pub(super) fn reveal(&mut self, ends: bool) {
         let Some(exercise) = self.exercise.as_mut().filter(|exercise| !exercise.is_over) else { return };
         let judged = self.state.luggage.iter().filter(|luggage| !luggage.is_pending());
-        let judged: Vec<(LuggageId, Piece)> = judged.filter_map(|luggage| Some((luggage.id, luggage.piece?))).collect();
-        let pieces: BTreeSet<Piece> = judged.iter().map(|(_, piece)| *piece).collect();
-        let is_complete = exercise.truth.keys().all(|piece| pieces.contains(piece));
+        let judged: Vec<(LuggageId, Piece, bool)> = judged
+            .filter_map(|luggage| luggage.piece.and_then(|piece| Some((luggage.id, piece, *exercise.truth.get(&piece)?))))
+            .collect();
+        let pieces: BTreeSet<Piece> = judged.iter().map(|(_, piece, _)| *piece).collect();
+        let is_complete = pieces.len() == exercise.truth.len();
         if !(ends || is_complete || self.state.closed.is_some()) {
             return;
         }
         exercise.is_over = true;
-        let truth = exercise.truth.clone();
-        for (luggage, piece) in judged {
-            if let Some(is_test) = truth.get(&piece).copied() {
-                let fact = Fact::Revealed { luggage, is_test };
-                self.world.write(self.now.wall, Tone::Info, Said::fact(&fact));
-                self.record(fact);
-            }
+        for (luggage, _, is_test) in judged {
+            let fact = Fact::Revealed { luggage, is_test };
+            self.world.write(self.now.wall, Tone::Info, Said::fact(&fact));
+            self.record(fact);
         }
     }
 

@@ -118,7 +118,7 @@ impl InputContext {
             Command::Retrieve(luggage) => (Input::Retrieve, InputContext { luggage: *luggage, ..context }),
             Command::Reset => (Input::Reset, context),
             Command::Close(closing) => (Input::Close, InputContext { closing: Some(closing.clone()), ..context }),
-            Command::HandOver(over) => (Input::HandOver, InputContext { hand_over: Some(over.clone()), ..context }),
+            Command::HandOver(hand_over) => (Input::HandOver, InputContext { hand_over: Some(hand_over.clone()), ..context }),
             Command::SearchAgain(area) => (Input::SearchAgain, InputContext { area: Some(*area), ..context }),
             Command::Move(step) => (Input::Move, InputContext { step: Some(*step), ..context }),
             Command::Goto(cell) => (Input::Goto, InputContext { cell: Some(*cell), ..context }),

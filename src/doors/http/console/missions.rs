@@ -8,9 +8,7 @@ use axum::response::Html;
 
 use super::super::HttpDoor;
 use super::super::language::{PageReader, Spoken};
-use super::super::missions::{
-    MISSIONS, RECEIPTS, RecordedMission, after, before, happened, newest, receipts_after, recorded, wanted,
-};
+use super::super::missions::{MISSIONS, RECEIPTS, RecordedMission, after, before, happened, newest, of_these, recorded, wanted};
 use super::super::problem::Problem;
 use super::super::query::Query;
 use super::super::reading::Number;
@@ -20,7 +18,7 @@ use crate::access::Need;
 use crate::api::luggage::photo_url;
 use crate::api::time::{Zone, rfc3339};
 use crate::phrases::{Language, Phrase};
-use crate::report::receipt::ReceiptOf;
+use crate::report::receipt::{Receipt, ReceiptOf};
 use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
 use hallsweep_core::command::Strategy;
 use hallsweep_core::phase::PhaseName;
@@ -73,7 +71,7 @@ pub(in crate::doors::http) async fn receipts(
 ) -> Result<Html<String>, Problem> {
     query.only(&["after"])?;
     let after = after(&query)?;
-    let (receipts, next) = receipts_after(&door, id, after, RECEIPTS).await?;
+    let (receipts, next) = of_these(&door, id, after, RECEIPTS, Receipt::all).await?;
     let (mission, zone) = (MissionId(id), Zone::of(door.clock.now().wall));
     let present = &door.handle.snapshot().mission;
     let may_hand_over = caller.may(Need::Act).is_ok() && present.is_under_way() && present.id == mission;

@@ -112,14 +112,19 @@ async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields
         Err(problem) => {
             let to = PageReader::new(sender.caller.clone(), headers);
             let (door, why, [name, receiver, note]) = (&sender.door, problem.in_words(to.language), fields.typed());
-            let page = match act {
-                "close" => close_page(door, to.language, why, [name, note]),
-                "handOver" => hand_over_page(door, to.language, why, [receiver, note]),
-                _ => return refused_page(door, &to, &fields.button(act), &problem).await,
+            let statement = match act {
+                "close" => Some(close_page(door, to.language, why, [name, note])),
+                "handOver" => Some(hand_over_page(door, to.language, why, [receiver, note])),
+                _ => None,
             };
-            let mut response = (problem.status(), page).into_response();
-            problem.tell_gate(&mut response);
-            response
+            match statement {
+                Some(page) => {
+                    let mut response = (problem.status(), page).into_response();
+                    problem.tell_gate(&mut response);
+                    response
+                }
+                None => refused_page(door, &to, &fields.button(act), &problem).await,
+            }
         }
     };
     response.headers_mut().append(header::VARY, HeaderValue::from_static("accept"));
@@ -449,6 +454,11 @@ mod tests {
         let page = text(refused).await;
         assert!(page.contains("role=\"alert\">the record cannot") && page.contains("value=\"Police &#60;b&#62;\""), "{page}");
         assert_eq!(app.form("/console/handOver", "to=+").await.status(), 422);
+        for act in ["start", "close", "handOver"] {
+            let refused = app.form(&format!("/console/{act}"), "to=police&name=Anna&open=").await;
+            let varies = refused.headers().get_all("vary").iter().any(|value| value == "accept");
+            assert!(varies, "{act}: scripts get JSON from the same address");
+        }
         let none = super::super::testing::app(idle());
         let page = none.page("/console/confirm/handOver").await;
         assert!(
