@@ -115,6 +115,8 @@ pub struct RobotSettings {
     pub seed: u64,
     /// Share of obstacles that the camera cannot recognise, `0.0..=1.0`.
     pub unknown_rate: f64,
+    /// Whether the camera can miss luggage and take it for a wall.
+    pub camera_misses: bool,
     /// Share of photos that fail, `0.0..=1.0`.
     pub photo_failure_rate: f64,
     /// Standard deviation of the front sonar, in centimetres.

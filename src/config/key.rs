@@ -103,7 +103,7 @@ pub(super) const ROBOTS: &str = "robots";
 pub(super) const ROBOT: &str = "robot";
 
 /// Every setting, in the order of `config/default.toml`.
-pub const KEYS: [Key; 56] = [
+pub const KEYS: [Key; 57] = [
     text("hall.file", "name a built-in hall, such as airport, or the path of a hall file (.toml, .map, .yaml or .txt)")
         .set_by("--hall"),
     text("hall.start", "write column and row, counted from 0 in the north-west corner, such as 3,0; or leave it empty")
@@ -155,6 +155,7 @@ pub const KEYS: [Key; 56] = [
     key("robot.speed", SPEED, "write a factor from 0.1 to 1000 (1 is normal speed), or max for no waiting").set_by("--speed"),
     key("robot.seed", SettingKind::Whole, "write a whole number from 0 to 18446744073709551615").set_by("--seed"),
     key("robot.unknown_rate", RATE, "write a rate from 0 (never) to 1 (always)"),
+    yes_no("robot.camera_misses"),
     key("robot.photo_failure_rate", RATE, "write a rate from 0 (never) to 1 (always)"),
     key("robot.sonar_noise_cm", SONAR_NOISE_CM, "write a number of centimetres from 0 to 100"),
     key("robot.sonar_cells", SONAR_CELLS, "write a whole number of cells from 1 to 7"),

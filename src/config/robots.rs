@@ -77,6 +77,7 @@ pub(super) fn robot(layers: &Layers, section: &str) -> Result<RobotSettings, Set
         speed: speed(layers, &key("speed"))?,
         seed: read(layers, &key("seed"))?,
         unknown_rate: number(layers, &key("unknown_rate"))?,
+        camera_misses: read(layers, &key("camera_misses"))?,
         photo_failure_rate: number(layers, &key("photo_failure_rate"))?,
         sonar_noise_cm: number(layers, &key("sonar_noise_cm"))?,
         sonar_cells: sonar_cells(layers, section)?,

@@ -10,10 +10,11 @@ use super::robots;
 use hallsweep_core::search::Sensing;
 
 /// Settings of a robot, each with the kinds of robots for which it has an effect.
-const OF_SOME_KINDS: [(&str, &[RobotKind]); 9] = [
+const OF_SOME_KINDS: [(&str, &[RobotKind]); 10] = [
     ("speed", &[RobotKind::Sim]),
     ("seed", &[RobotKind::Sim]),
     ("unknown_rate", &[RobotKind::Sim]),
+    ("camera_misses", &[RobotKind::Sim]),
     ("photo_failure_rate", &[RobotKind::Sim]),
     ("sonar_noise_cm", &[RobotKind::Sim]),
     ("sonar_cells", &[RobotKind::Sim, RobotKind::Line]),

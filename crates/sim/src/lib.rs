@@ -16,6 +16,7 @@ mod fingerprint;
 mod hall;
 pub mod headless;
 mod memory;
+mod misses;
 pub mod page;
 pub mod pair;
 mod recognise;

@@ -8,7 +8,7 @@ use super::curve;
 use super::drive::BodyPose;
 use super::hall::{Hall, Truth};
 use super::settings::SimSettings;
-use super::{recognise, sonar};
+use super::{misses, recognise, sonar};
 use hallsweep_core::event::{Ahead, Obstacle, RobotEvent};
 use hallsweep_core::rng::RandomStream;
 use hallsweep_core::units::Pose;
@@ -22,6 +22,8 @@ pub(super) struct Senses {
     sonar_cells: u8,
     camera: RandomStream,
     unknown_rate: f64,
+    /// The seed of what the camera misses. `None` if it misses nothing.
+    misses: Option<u64>,
     reported: Option<Option<u16>>,
 }
 
@@ -34,6 +36,7 @@ impl Senses {
             sonar_cells: settings.sonar_cells,
             camera: RandomStream::new(settings.seed, "camera"),
             unknown_rate: settings.unknown_rate,
+            misses: settings.camera_misses.then_some(settings.seed),
             reported: None,
         }
     }
@@ -65,13 +68,28 @@ impl Senses {
         let is_free = |away: u16| self.hall.truth(pose.cell.onward(pose.heading, away)) == Truth::Free;
         let before = Pose { cell: pose.cell.onward(pose.heading, free), ..pose };
         let is_there = reading.is_some() && free < cells && (1..=free).all(is_free) && !is_free(free + 1);
-        let obstacle = is_there.then(|| self.recognise(before));
+        let obstacle = is_there.then(|| self.recognise(pose, before));
         (cells > 0).then_some(RobotEvent::Ahead(Ahead { free, obstacle }))
     }
 
-    pub(super) fn recognise(&mut self, pose: Pose) -> Obstacle {
-        let obstacle = recognise::obstacle_ahead(&self.hall, pose);
-        if self.camera.happens(self.unknown_rate) { Obstacle::Unknown } else { obstacle }
+    /// Recognises the obstacle ahead of `before`, which is `pose` or a free cell ahead of it. The robot is in `pose`.
+    pub(super) fn recognise(&mut self, pose: Pose, before: Pose) -> Obstacle {
+        let obstacle = recognise::obstacle_ahead(&self.hall, before);
+        let sees = |piece, seed| {
+            let bag = self.hall.bag(piece);
+            bag.is_none_or(|bag| misses::recognises(&self.hall, seed, bag, before.ahead(), pose))
+        };
+        let is_missed = match (obstacle, self.misses) {
+            (Obstacle::Luggage(piece), Some(seed)) => !sees(piece, seed),
+            (Obstacle::Luggage(_) | Obstacle::Wall { .. } | Obstacle::Unknown, _) => false,
+        };
+        if self.camera.happens(self.unknown_rate) {
+            Obstacle::Unknown
+        } else if is_missed {
+            Obstacle::Wall { left: 0, right: 0 }
+        } else {
+            obstacle
+        }
     }
 
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the distance is clamped to the sonar's range")]

@@ -10,6 +10,8 @@ pub struct SimSettings {
     pub seed: u64,
     /// Probability that the camera cannot tell what an obstacle is, 0–1.
     pub unknown_rate: f64,
+    /// Whether the camera can miss luggage and take it for a wall (`misses`).
+    pub camera_misses: bool,
     /// Probability that a photo fails, 0–1.
     pub photo_failure_rate: f64,
     /// The standard deviation of the sonar's noise, in centimetres.
@@ -66,6 +68,7 @@ impl Default for SimSettings {
         SimSettings {
             seed: 0,
             unknown_rate: 0.0,
+            camera_misses: false,
             photo_failure_rate: 0.0,
             sonar_noise_cm: 0.4,
             sonar_cells: 0,

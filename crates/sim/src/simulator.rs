@@ -334,7 +334,7 @@ impl Sim {
             Work::Drive { motion, end: End::Against { ahead } } => {
                 self.body = motion.at(self.chassis, motion.ends);
                 self.events.extend(self.senses.listen_for_change(self.body));
-                let obstacle = if ahead { self.senses.recognise(self.pose) } else { Obstacle::Unknown };
+                let obstacle = if ahead { self.senses.recognise(self.pose, self.pose) } else { Obstacle::Unknown };
                 self.events.push_back(RobotEvent::Blocked(order, obstacle));
             }
             Work::Photograph { film, .. } => self.deliver(order, film),

@@ -31,6 +31,7 @@ pub fn exercise(hall: &Hall, pieces: u32, seed: u64) -> Result<Arc<Hall>, Unusab
 pub fn sim_settings(robot: &RobotSettings, camera: Camera) -> SimSettings {
     SimSettings {
         unknown_rate: robot.unknown_rate,
+        camera_misses: robot.camera_misses,
         photo_failure_rate: robot.photo_failure_rate,
         sonar_noise_cm: robot.sonar_noise_cm,
         sonar_cells: robot.sonar_cells,

@@ -29,7 +29,8 @@ impl Engine {
         // What a sonar reports beyond its reach is not believed against a cell that was free.
         let is_noted = self.state.again.contains(&cell) && self.state.phase == Phase::Exploring && !is_cut;
         let is_wanted = self.state.map.at(cell).is_unvisited() || is_noted;
-        let Some(obstacle) = obstacle.filter(|_| is_wanted) else { return };
+        let is_found_late = |obstacle: &Obstacle| self.state.map.at(cell) == Mark::Wall && piece_of(*obstacle).is_some();
+        let Some(obstacle) = obstacle.filter(|obstacle| is_wanted || is_found_late(obstacle)) else { return };
         self.mission.has_news |= self.state.map.at(cell) == Mark::Unknown;
         let obstacle = if self.settings.inspect_everything { Obstacle::Unknown } else { obstacle };
         self.mission.route.clear();
@@ -44,9 +45,14 @@ impl Engine {
             Obstacle::Luggage(piece) if self.state.pieces.contains(&piece) => Mark::Luggage,
             Obstacle::Luggage(_) | Obstacle::Unknown => Mark::NotInspected,
         };
-        // A mark of a wall or of inspected luggage stays. No new verdict is needed if the camera later fails to
-        // recognise the luggage.
-        if !matches!(self.state.map.at(cell), Mark::Wall | Mark::Luggage) {
+        // A mark of inspected luggage stays. No new verdict is needed if the camera later fails to recognise the luggage.
+        // A mark of a wall stays unless the camera has missed luggage there and recognises it now.
+        let stays = match self.state.map.at(cell) {
+            Mark::Luggage => true,
+            Mark::Wall => piece_of(obstacle).is_none(),
+            Mark::Unknown | Mark::Seen | Mark::Visited | Mark::NotInspected => false,
+        };
+        if !stays {
             self.mark(cell, mark);
         }
         let taken_for = match obstacle {
