@@ -17,6 +17,7 @@ use hallsweep_core::robot::RobotId;
 use hallsweep_core::speed::Speed;
 use hallsweep_core::state::{Participant, Venue};
 use hallsweep_core::units::Piece;
+use hallsweep_core::world::coverage::{Sensor, SensorModel};
 use hallsweep_sim::Hall;
 
 pub struct Robots {
@@ -36,7 +37,8 @@ pub struct Robots {
     usual: (String, Option<(u32, u32)>),
     /// The names of all robots, the pair last.
     ids: Vec<RobotId>,
-    team: Arc<[Participant]>,
+    /// The venue of all robots without the hall.
+    team: Venue,
 }
 
 /// `Display` is the message for the person who started the program.
@@ -97,9 +99,12 @@ impl Robots {
             let address = set.and_then(|robot| robot.address.written()).map(Arc::from);
             Participant { name: id.name().into(), kind, address }
         };
-        let team = ids.iter().map(participant).collect();
+        let can_miss = settings.robot.kind == RobotKind::Sim && settings.robot.camera_misses;
+        let model = (can_miss && !settings.core.inspect_everything).then_some(SensorModel::SimCamera);
+        let sensor = Sensor { cells: settings.core.sonar_cells, model };
         let speed = settings.robot.speed;
         let usual = (settings.hall.clone(), settings.hall_start);
+        let team = Venue { robots: ids.iter().map(participant).collect(), sensor, ..Venue::default() };
         Ok(Robots { hall, all, pair, wants_pair, seed, speed, chosen, no_hall, usual, ids, team })
     }
 
@@ -118,8 +123,7 @@ impl Robots {
             other => Venue {
                 name: self.hall_name().into(),
                 is_reckoned: matches!(other, Some((_, Robot::External(robot))) if robot.reckons()),
-                robots: Arc::clone(&self.team),
-                ..Venue::default()
+                ..self.team.clone()
             },
         }
     }

@@ -25,6 +25,7 @@ mod rules_again;
 mod rules_alarms;
 mod rules_closing;
 mod rules_commands;
+mod rules_coverage;
 mod rules_crossings;
 mod rules_driving;
 mod rules_exercise;

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::{Unparsed, names};
 use hallsweep_core::settings::{AfterDanger, HotRule, Rules, SafeBy};
 use hallsweep_core::state::{Conditions, Participant, Reach, Venue};
+use hallsweep_core::world::coverage::{Sensor, SensorModel};
 
 /// Minimum and maximum side of a cell, in metres: no hall has smaller or larger cells.
 const SIDES_M: RangeInclusive<f64> = 0.01..=100.0;
@@ -61,6 +62,12 @@ pub struct ConditionsShape {
     /// Number of further photos when a judge is unsure; absent if there are two.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     unsure_views: Option<u8>,
+    /// Range of the robot's sonar, in cells; absent for a robot that bumps into obstacles.
+    #[serde(default, skip_serializing_if = "is_bumping")]
+    sonar_cells: u8,
+    /// Calibrated model of the robot's sensor: `simCamera`; absent if there is none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    sensor: Option<String>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -91,6 +98,8 @@ impl From<&Conditions> for ConditionsShape {
             safe_by: (rules.safe_by != usual.safe_by).then(|| rules.safe_by.name().to_owned()),
             hot: (rules.hot != usual.hot).then(|| rules.hot.name().to_owned()),
             unsure_views: Some(rules.unsure_views).filter(|views| *views != usual.unsure_views),
+            sonar_cells: venue.sensor.cells,
+            sensor: venue.sensor.model.map(|sensor| sensor.name().to_owned()),
         }
     }
 }
@@ -135,12 +144,22 @@ impl ConditionsShape {
             return Err(Unparsed("the radius of the keep-out rings is out of range".to_owned()));
         }
         let robots = robots.into_iter().map(Participant::from).collect();
+        let sensor = |name: String| {
+            let known = SensorModel::ALL.into_iter().find(|sensor| sensor.name() == name);
+            known.ok_or_else(|| Unparsed(format!("{name:?} is no sensor that this version knows")))
+        };
+        let sensor = Sensor { cells: self.sonar_cells, model: self.sensor.map(sensor).transpose()? };
         Ok(Conditions {
-            venue: Venue { name: hall.into(), cell_m, is_reckoned: reckoned, reach, robots, is_exercise: exercise, seed },
+            venue: Venue { name: hall.into(), cell_m, is_reckoned: reckoned, reach, robots, is_exercise: exercise, seed, sensor },
             threshold: names::celsius(threshold)?,
             rules,
         })
     }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+const fn is_bumping(sonar_cells: &u8) -> bool {
+    *sonar_cells == 0
 }
 
 /// Reads the name of a rule. If there is none, the usual rule applied.

@@ -15,6 +15,7 @@ mod causes;
 mod closing;
 mod coded;
 mod conditions;
+mod coverage;
 mod earlier;
 mod fact;
 mod luggage;

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::closing::ClosedShape;
 use super::coded::Form;
 use super::conditions::ConditionsShape;
+use super::coverage::CoverageShape;
 use super::luggage::{AlarmShape, LuggageShape, is_zero};
 use super::map::{self, Row};
 use super::names::SearchShape;
@@ -48,6 +49,8 @@ pub(super) struct StandingShape {
     met_again: Vec<(Point, u32)>,
     led_blinking: bool,
     map: Vec<Row>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    coverage: Option<CoverageShape>,
     pieces: Vec<u32>,
     luggage: Vec<LuggageShape>,
     last_luggage: u64,
@@ -82,6 +85,7 @@ impl StandingShape {
             met_again: state.met_again.iter().map(|(cell, piece)| (Point::from(*cell), piece.0)).collect(),
             led_blinking: state.led_blinking,
             map: map::rows(&state.map),
+            coverage: CoverageShape::of(&state.coverage),
             pieces: state.pieces.iter().map(|piece| piece.0).collect(),
             luggage: state.luggage.iter().map(|record| LuggageShape::from(&**record)).collect(),
             last_luggage: state.last_luggage.0,
@@ -117,6 +121,7 @@ impl StandingShape {
             met_again: self.met_again.into_iter().map(|(cell, piece)| (cell.into(), Piece(piece))).collect(),
             led_blinking: self.led_blinking,
             map: map::map(&self.map)?,
+            coverage: self.coverage.as_ref().map(CoverageShape::coverage).transpose()?.unwrap_or_default(),
             pieces: self.pieces.into_iter().map(Piece).collect(),
             luggage: records(self.luggage)?,
             last_luggage: LuggageId(self.last_luggage),

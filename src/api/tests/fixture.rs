@@ -53,6 +53,8 @@ pub(crate) fn idle() -> Snapshot {
         robot,
         robots: alone(robot),
         map: HallMap::new(Cell::HOME, Revision(1)),
+        coverage: Default::default(),
+        venue: Default::default(),
         luggage: Default::default(),
         temperature: TemperatureView {
             celsius: None,

@@ -26,8 +26,9 @@ use hallsweep_core::refused::Refused;
 use hallsweep_core::robot::{RobotId, RobotState};
 use hallsweep_core::simulated::Simulated;
 use hallsweep_core::speed::Speed;
-use hallsweep_core::state::{Participant, Venue};
+use hallsweep_core::state::Venue;
 use hallsweep_core::units::Cell;
+use hallsweep_core::world::coverage::Sensor;
 use hallsweep_sim::{Hall, Truth};
 
 /// Maximum time for a robot to get ready for another hall, and again to report its position there. It includes the
@@ -43,7 +44,8 @@ pub(in crate::robots) struct Parts {
     pub(in crate::robots) links: Vec<mpsc::Sender<Move>>,
     pub(in crate::robots) chosen: Option<ChosenHall>,
     pub(in crate::robots) usual: (String, Option<(u32, u32)>),
-    pub(in crate::robots) team: Arc<[Participant]>,
+    /// What is the same in every hall: the robots and their sensor.
+    pub(in crate::robots) team: Venue,
 }
 
 /// The simulator before it has a handle to the core. It needs the handle to ask the core for consent to a change of
@@ -71,7 +73,7 @@ struct InHand {
     links: Vec<mpsc::Sender<Move>>,
     chosen: Option<ChosenHall>,
     offered: Arc<Offered>,
-    team: Arc<[Participant]>,
+    team: Venue,
 }
 
 impl Simulator for InHand {
@@ -281,10 +283,13 @@ fn check_blocked(hall: &Hall, blocked: Option<&BTreeSet<Cell>>) -> Result<(), No
     blocked.iter().find(|cell| hall.truth(**cell) != Truth::Free).map_or(Ok(()), |cell| Err(NotSimulated::NoFreeCell(*cell)))
 }
 
-pub(in crate::robots) fn venue(hall: &Hall, seed: u64, team: &Arc<[Participant]>) -> Venue {
+/// The venue of a team of robots in this hall.
+pub(in crate::robots) fn venue(hall: &Hall, seed: u64, team: &Venue) -> Venue {
     let (name, cell_m, reach) = (hall.name().into(), Some(hall.cell_m()), Some(hall.reach()));
-    let (is_exercise, robots) = (hall.is_exercise(), Arc::clone(team));
-    Venue { name, cell_m, is_reckoned: false, reach, robots, is_exercise, seed: (!is_exercise).then_some(seed) }
+    let (is_exercise, seed) = (hall.is_exercise(), (!hall.is_exercise()).then_some(seed));
+    let model = team.sensor.model.filter(|_| hall.cell_m() == Sensor::CALIBRATED_M);
+    let sensor = Sensor { model, ..team.sensor };
+    Venue { name, cell_m, reach, is_exercise, seed, sensor, ..team.clone() }
 }
 
 fn facts(hall: &Hall) -> HallFacts {

@@ -20,6 +20,7 @@ use crate::snapshot::retrieval::RetrievalView;
 use crate::state::{Inspection, Phase};
 use crate::units::{AlarmId, Cell, LuggageId, MissionId, Revision, Seq};
 use crate::world::alarm::Alarm;
+use crate::world::coverage::Coverage;
 use crate::world::hall_map::HallMap;
 use crate::world::records::LuggageRecords;
 use crate::world::resource::Resource;
@@ -66,7 +67,7 @@ pub(super) struct OnRecord {
     floor: Seq,
     emptied: u64,
     /// The old map, which is shown until the emptying of the map is recorded.
-    before: Option<HallMap>,
+    before: Option<(HallMap, Coverage)>,
     /// Whether the LED was told to blink. A blinking LED also shows that a mission has begun.
     pub(super) lit: bool,
 }
@@ -149,14 +150,18 @@ impl Engine {
     }
 
     pub(super) fn shown_map(&self) -> &HallMap {
-        self.on_record.before.as_ref().unwrap_or(&self.state.map)
+        self.on_record.before.as_ref().map_or(&self.state.map, |(map, _)| map)
+    }
+
+    pub(super) fn shown_coverage(&self) -> &Coverage {
+        self.on_record.before.as_ref().map_or(&self.state.coverage, |(_, coverage)| coverage)
     }
 
     /// Must be called before the map is emptied. The old map is shown until the emptying is recorded.
     pub(super) fn keep_map_shown(&mut self) {
         self.on_record.emptied += 1;
         if self.on_record.before.is_none() {
-            self.on_record.before = Some(self.state.map.clone());
+            self.on_record.before = Some((self.state.map.clone(), self.state.coverage.clone()));
         }
     }
 

@@ -90,6 +90,8 @@ impl Engine {
             mission: shown.mission,
             robot: shown.robot,
             map: self.shown_map().clone(),
+            coverage: self.shown_coverage().clone(),
+            venue: self.state.venue(),
             luggage: self.on_record.shown.luggage.clone(),
             temperature: shown.temperature,
             alarms: same(Resource::Alarms).map_or_else(|| self.alarms_shown(), |taken| Arc::clone(&taken.alarms)),

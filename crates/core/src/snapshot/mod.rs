@@ -19,9 +19,10 @@ use crate::robot::RobotState;
 use crate::snapshot::log::LogLine;
 use crate::snapshot::retrieval::RetrievalView;
 use crate::snapshot::robot::{RobotShown, RobotView};
-use crate::state::Reach;
+use crate::state::{Reach, Venue};
 use crate::units::{Cell, Epoch, LuggageId, MissionId, Revision};
 use crate::world::alarm::AlarmView;
+use crate::world::coverage::Coverage;
 use crate::world::hall_map::HallMap;
 use crate::world::keep_out::KeepOut;
 use crate::world::luggage::Luggage;
@@ -43,6 +44,10 @@ pub struct Snapshot {
     pub robots: Arc<[RobotShown]>,
     /// The map; its tiles are shared with the core.
     pub map: HallMap,
+    /// Which cells were looked at, and from where.
+    pub coverage: Coverage,
+    /// The hall of the mission, its named areas and the sensor.
+    pub venue: Venue,
     /// The luggage of this mission, by number.
     pub luggage: LuggageRecords,
     pub temperature: TemperatureView,

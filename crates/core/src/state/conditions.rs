@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use crate::settings::Rules;
 use crate::units::Celsius;
+use crate::world::coverage::Sensor;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conditions {
@@ -34,6 +35,7 @@ pub struct Venue {
     /// The seed of all random numbers in a simulated hall. In an exercise it is left out, because it says where the
     /// test pieces stand.
     pub seed: Option<u64>,
+    pub sensor: Sensor,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]

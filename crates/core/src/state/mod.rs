@@ -21,6 +21,7 @@ pub use self::team::{TeamStage, TeamState};
 use super::search::Search;
 use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId, MissionId, Pose, Revision, WallTime};
 use super::world::alarm::{Alarm, AlarmCause};
+use super::world::coverage::Coverage;
 use super::world::hall_map::{Bounds, HallMap, Mark};
 use super::world::luggage::{Decision, Doubt, Judgement, Luggage};
 use super::world::records::LuggageRecords;
@@ -60,6 +61,7 @@ pub struct PersistentState {
     pub retrieval: Option<Retrieval>,
     pub led_blinking: bool,
     pub map: HallMap,
+    pub coverage: Coverage,
     pub pieces: BTreeSet<Piece>,
     /// The cells where a known piece was met again.
     pub met_again: BTreeMap<Cell, Piece>,
@@ -103,6 +105,7 @@ impl PersistentState {
             retrieval: None,
             led_blinking: false,
             map: HallMap::new(Cell::HOME, Revision(1)),
+            coverage: Coverage::default(),
             pieces: BTreeSet::new(),
             met_again: BTreeMap::new(),
             luggage: LuggageRecords::default(),
@@ -114,6 +117,12 @@ impl PersistentState {
             conditions: None,
             clock_set_ms: 0,
         }
+    }
+
+    /// The place of the mission. Nothing is known of it if no journal has recorded it yet.
+    #[must_use]
+    pub fn venue(&self) -> Venue {
+        self.conditions.as_ref().map_or_else(Venue::default, |conditions| conditions.venue.clone())
     }
 
     /// Returns the size of a record of the whole state, as the number of entries that need the same space and time.
@@ -132,7 +141,6 @@ impl PersistentState {
             Fact::ProgramStarted(_)
             | Fact::ProgramEnded(_)
             | Fact::Command { .. }
-            | Fact::Obstacle(..)
             | Fact::HandedOver { .. }
             | Fact::WrittenOut(_)
             | Fact::Unpacked(_) => {}
@@ -159,9 +167,14 @@ impl PersistentState {
             Fact::Epoch(epoch) => self.epoch = *epoch,
             Fact::Goal(goal, search) => (self.goal, self.search) = (*goal, search.clone()),
             Fact::Pose(pose) => {
+                if self.again.contains(&pose.cell) {
+                    self.coverage.look(self.pose.cell, pose.cell, wall);
+                    self.not_again(pose.cell);
+                }
                 self.pose = *pose;
-                self.not_again(pose.cell);
+                self.look_ahead(wall);
             }
+            Fact::Obstacle(cell, _) => self.coverage.look(self.pose.cell, *cell, wall),
             Fact::RobotPose(robot, pose) => drop(self.others.insert(robot.clone(), *pose)),
             Fact::Outside(robot, 0) => drop(self.outside.remove(robot)),
             Fact::Outside(robot, steps) => drop(self.outside.insert(robot.clone(), *steps)),
@@ -170,7 +183,13 @@ impl PersistentState {
             // The piece is in the container, so nobody can meet it again.
             Fact::Secured(luggage) => self.luggage.change(*luggage, |record| record.secured = Some(wall)),
             Fact::Led(blinking) => self.led_blinking = *blinking,
-            Fact::Mark(cell, mark) => self.mark(*cell, *mark, revision),
+            Fact::Mark(cell, mark) => {
+                // A cell that the robot enters again was looked at when the robot entered it first.
+                if mark.is_searched() && self.map.at(*cell) != Mark::Visited {
+                    self.coverage.look(self.pose.cell, *cell, wall);
+                }
+                self.mark(*cell, *mark, revision);
+            }
             Fact::Luggage { record, .. } => self.keep(record),
             Fact::Verdict { luggage, verdict, who, note, hot } => {
                 let decision = Decision { verdict: *verdict, who: Arc::clone(who), wall, note: note.clone(), hot: *hot };
@@ -228,6 +247,7 @@ impl PersistentState {
 
     fn empty_map(&mut self, revision: Revision) {
         self.map = HallMap::new(Cell::HOME, revision);
+        self.coverage = Coverage::default();
         self.pieces.clear();
         self.met_again.clear();
         self.blocked.clear();
@@ -239,6 +259,22 @@ impl PersistentState {
     pub(crate) fn searched_in(&self, area: Bounds) -> impl Iterator<Item = Cell> {
         let is_searched = move |(cell, mark): &(Cell, Mark)| area.contains(*cell) && matches!(mark, Mark::Visited | Mark::Seen);
         self.map.known().filter(is_searched).map(|(cell, _)| cell).filter(|cell| *cell != self.pose.cell)
+    }
+
+    /// Notes that sonar and camera have looked at the known cells ahead, up to the first obstacle.
+    fn look_ahead(&mut self, wall: WallTime) {
+        let cells = self.conditions.as_ref().map_or(0, |conditions| conditions.venue.sensor.cells);
+        for distance in 1..=u16::from(cells) {
+            let cell = self.pose.cell.onward(self.pose.heading, distance);
+            let mark = self.map.at(cell);
+            if mark == Mark::Unknown {
+                return;
+            }
+            self.coverage.look(self.pose.cell, cell, wall);
+            if mark.is_obstacle() {
+                return;
+            }
+        }
     }
 
     fn not_again(&mut self, cell: Cell) {

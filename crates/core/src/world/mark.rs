@@ -24,6 +24,12 @@ impl Mark {
         matches!(self, Mark::Unknown | Mark::Seen)
     }
 
+    /// Whether the cell was found to be free.
+    #[must_use]
+    pub const fn is_searched(self) -> bool {
+        matches!(self, Mark::Seen | Mark::Visited)
+    }
+
     #[must_use]
     pub const fn is_obstacle(self) -> bool {
         matches!(self, Mark::Wall | Mark::Luggage | Mark::NotInspected)

@@ -23,8 +23,10 @@ use hallsweep_core::rng::RandomStream;
 use hallsweep_core::robot::RobotId;
 use hallsweep_core::settings::Settings;
 use hallsweep_core::snapshot::Snapshot;
+use hallsweep_core::state::Venue;
 use hallsweep_core::state::fact::Entry;
 use hallsweep_core::units::{Cell, Now, Piece, Pose, Ticket, WallTime};
+use hallsweep_core::world::coverage::{Sensor, SensorModel};
 
 /// 2026-01-01T08:00:00Z. A simulated run begins up to twelve hours later, at a second that is drawn from its seed.
 const FIRST_DAY_MS: i64 = 1_767_254_400_000;
@@ -90,15 +92,21 @@ impl Run {
         let seed = sim.seed;
         let second = RandomStream::new(seed, "clock").below(12 * 3600);
         let began_ms = FIRST_DAY_MS + i64::try_from(second).unwrap_or(0) * 1000;
+        let now = Now { since_start: Duration::ZERO, wall: WallTime { unix_ms: began_ms, offset_s: 0 } };
+        let mut engine = Engine::new(settings, strategy, Arc::from(format!("seed-{seed}")));
+        if sim.camera_misses {
+            let sensor = Sensor { cells: settings.sonar_cells, model: Some(SensorModel::SimCamera) };
+            engine.note_venue(Venue { name: hall.name().into(), cell_m: Some(hall.cell_m()), sensor, ..Venue::default() }, now);
+        }
         Run {
-            engine: Engine::new(settings, strategy, Arc::from(format!("seed-{seed}"))),
+            engine,
             sim: Sim::new(Arc::clone(&hall), sim),
             pair: None,
             hall,
             moved: BTreeMap::new(),
             journal: Vec::new(),
             moves: Moves::default(),
-            now: Now { since_start: Duration::ZERO, wall: WallTime { unix_ms: began_ms, offset_s: 0 } },
+            now,
             began_ms,
             open: None,
             answers: BTreeMap::new(),

@@ -37,6 +37,7 @@ use hallsweep_core::state::{
 };
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Piece, Pose, Revision, Seq, WallTime};
 use hallsweep_core::world::alarm::{Alarm, AlarmCause};
+use hallsweep_core::world::coverage::{Coverage, Views};
 use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark, REACH};
 use hallsweep_core::world::luggage::{Decision, Doubt, Judgement, Luggage, PhotoState};
 
@@ -156,7 +157,16 @@ fn conditions() -> impl Strategy<Value = Conditions> {
     });
     (text(), side, celsius(), reach, vec(robot, 0..3), option::of(any::<u64>()), rules).prop_map(
         |(hall, (cell_m, is_reckoned, is_exercise), threshold, reach, robots, seed, rules)| Conditions {
-            venue: Venue { name: hall.into(), cell_m, is_reckoned, reach, robots: robots.into(), is_exercise, seed },
+            venue: Venue {
+                name: hall.into(),
+                cell_m,
+                is_reckoned,
+                reach,
+                robots: robots.into(),
+                is_exercise,
+                seed,
+                ..Venue::default()
+            },
             threshold,
             rules,
         },
@@ -284,6 +294,15 @@ fn held(mut holds: BTreeSet<Hold>, why: Option<String>) -> Refused {
     Refused::Held(holds.into_iter().collect(), why)
 }
 
+fn coverage() -> impl Strategy<Value = Coverage> {
+    let views = (1..=u32::MAX, 0..u32::MAX / 2).prop_map(|(bits, minute)| Views { bits, minute });
+    vec((-5..70, -5..70, views), 0..9).prop_map(|cells| {
+        let mut coverage = Coverage::default();
+        cells.into_iter().for_each(|(x, y, views)| coverage.add(Cell::new(x, y), views));
+        coverage
+    })
+}
+
 fn stops() -> impl Strategy<Value = Epoch> {
     (0..=i64::MAX as u64).prop_map(Epoch)
 }
@@ -300,12 +319,13 @@ fn state() -> impl Strategy<Value = PersistentState> {
         (phase(), btree_set(hold(), 0..9), search(), option::of(goal()), btree_set(cell(), 0..4), (pose(), others, outside));
     let met_again = btree_map(cell(), any::<u32>().prop_map(Piece), 0..3);
     let pieces = (btree_set(any::<u32>().prop_map(Piece), 0..4), met_again);
-    let world = (hall_map(), pieces, vec(luggage(), 0..4), vec(alarm(), 0..4));
+    let map = (hall_map(), coverage());
+    let world = (map, pieces, vec(luggage(), 0..4), vec(alarm(), 0..4));
     let rest = (option::of(celsius()), option::of(conditions()), option::of(closed()), btree_set(cell(), 0..4));
     (numbers, mission, world, rest).prop_map(|(numbers, mission, world, (reading, conditions, closed, again))| {
         let (id, under_way, epoch, last_luggage, last_alarm, led_blinking) = numbers;
         let (phase, holds, search, goal, blocked, (pose, others, (outside, retrieval))) = mission;
-        let (map, (pieces, met_again), luggage, alarms) = world;
+        let ((map, coverage), (pieces, met_again), luggage, alarms) = world;
         PersistentState {
             mission: MissionId(id),
             under_way,
@@ -323,6 +343,7 @@ fn state() -> impl Strategy<Value = PersistentState> {
             retrieval,
             led_blinking,
             map,
+            coverage,
             pieces,
             met_again,
             luggage: luggage.into_iter().map(Arc::new).collect(),
