@@ -15,6 +15,7 @@ use hallsweep_core::command::Strategy;
 use hallsweep_core::search::costs::Costs;
 use hallsweep_core::search::ways::Ways;
 use hallsweep_core::search::{Objective, Terms};
+use hallsweep_evaluation::calibrate::Passes;
 use hallsweep_evaluation::compare::{Contest, Entrant, Halls, Kind, KindError, Measure, Timings, Trial, rows, tour};
 use hallsweep_evaluation::family::Family;
 use hallsweep_evaluation::time_left::{Held, held};
@@ -63,6 +64,10 @@ pub(crate) struct Evaluate {
     /// measurement covers each family of halls and the whole of each search.
     #[arg(long, conflicts_with_all = ["halls", "strategies", "weights", "json", "csv", "plot"])]
     time_left: bool,
+    /// Instead of comparing, calibrate the simulated camera that can miss luggage: print its sweep widths from 1000
+    /// searches, and how well they predict 1000 others.
+    #[arg(long, conflicts_with_all = ["halls", "strategies", "weights", "time_left", "count", "json", "csv", "plot"])]
+    calibrate: bool,
     /// Print one JSON object instead of the tables.
     #[arg(long)]
     json: bool,
@@ -98,6 +103,9 @@ impl Answer {
 pub(crate) fn run(flags: &Evaluate) -> Result<(), Failure> {
     if flags.time_left {
         return super::print(&time_left(flags));
+    }
+    if flags.calibrate {
+        return super::print(&calibrate(flags));
     }
     let entrants = flags.entrants()?;
     let against = flags.against.map(|other| {
@@ -146,6 +154,16 @@ fn time_left(flags: &Evaluate) -> String {
     let held: Vec<(Family, Held)> = Family::ALL.into_iter().map(held).collect();
     bar.finish_and_clear();
     report::time_left(&held)
+}
+
+/// Number of searches for a calibration, and for its judgement.
+const SEARCHES: usize = 1000;
+
+fn calibrate(flags: &Evaluate) -> String {
+    let (tuned, judged) = (flags.seed, flags.seed.wrapping_add(1));
+    let origin = format!("Sweep widths of the simulated camera, from {SEARCHES} searches with seed {tuned}.");
+    let widths = Passes::of(SEARCHES, tuned).widths(&origin);
+    report::calibration(&widths, SEARCHES, judged, &Passes::of(SEARCHES, judged).bins())
 }
 
 #[expect(clippy::disallowed_methods, reason = "how long a decision takes is one of the figures")]

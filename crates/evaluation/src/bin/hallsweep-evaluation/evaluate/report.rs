@@ -3,6 +3,7 @@
 use super::{Answer, Measure, Question};
 use hallsweep_core::command::Strategy;
 use hallsweep_core::search::Terms;
+use hallsweep_evaluation::calibrate::Bin;
 use hallsweep_evaluation::compare::{Contest, Entrant, Estimate, against as differences, decisions, over};
 use hallsweep_evaluation::drawing::{self, Band, Dot};
 use hallsweep_evaluation::family::Family;
@@ -48,6 +49,19 @@ pub(super) fn time_left(held: &[(Family, Held)]) -> String {
         vec![family.to_string(), percent(Some(held.with_most)), percent(held.within), percent(held.at_least)]
     }));
     format!("{}\n\nShares of the time that searches took, in halls of 12x9 to 50x50 cells.", aligned(&table))
+}
+
+/// The sweep widths as a file, and a table that compares the probabilities stated by this build with what was measured.
+pub(super) fn calibration(widths: &str, searches: usize, seed: u64, bins: &[Bin]) -> String {
+    let percent = |share: f64| format!("{:.1} %", share * 100.0);
+    let mut table = vec![["stated", "passes", "mean stated", "found", "difference"].map(str::to_owned).to_vec()];
+    table.extend(bins.iter().enumerate().map(|(n, Bin { passes, stated, measured })| {
+        let range = format!("{} to {} %", n * 10, n * 10 + 10);
+        let figures =
+            [*stated, *measured, measured - stated].map(|share| if *passes == 0 { "-".to_owned() } else { percent(share) });
+        [range, passes.to_string()].into_iter().chain(figures).collect()
+    }));
+    format!("{widths}\n{}\n\nThe sweep widths of this build in {searches} searches with seed {seed}.", aligned(&table))
 }
 
 pub(super) fn blocks(answers: &[Answer], entrants: &[Entrant], against: Option<usize>) -> String {
