@@ -45,6 +45,8 @@ pub struct Settings {
     /// Where the name of the hall was set, such as `flag --hall`. The error names this place when the hall cannot be
     /// read.
     pub hall_origin: String,
+    /// Whether somebody has chosen a hall. Only then its areas apply to a real robot.
+    pub hall_is_chosen: bool,
     pub http: HttpSettings,
     /// Address of the CoAP resources, over UDP; `None` for no CoAP door.
     pub coap: Option<Bind>,

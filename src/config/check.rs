@@ -42,6 +42,7 @@ pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
         hall_start: hall_start(layers)?,
         exercise: exercise(layers)?,
         hall_origin: layers.origin("hall.file"),
+        hall_is_chosen: layers.is_chosen("hall.file"),
         http: http(layers)?,
         coap: coap(layers)?,
         mqtt: mqtt::mqtt(layers)?,

@@ -40,8 +40,9 @@ pub(super) fn without_effect(layers: &Layers) -> Result<Vec<String>, SettingsErr
             keys.push(format!("{section}.step_ms"));
         }
     }
-    if !is_any_simulated {
-        keys.extend(["hall.file", "hall.start"].map(str::to_owned));
+    // The areas of a chosen hall apply to real robots, too. `robots` says when the hall has none.
+    if !is_any_simulated && !layers.is_chosen("hall.file") {
+        keys.push("hall.start".to_owned());
     }
     if !searches.may_have_sonar() && sensing(layers)? == Sensing::Sonar {
         keys.push("mission.sensing".to_owned());
@@ -68,10 +69,13 @@ mod tests {
     fn settings_of_the_simulator_are_idle_beside_another_robot_and_beside_it_they_are_not() {
         let flags = [("--speed", "max"), ("--seed", "2"), ("--hall", "seed"), ("--strategy", "snail")];
         let variables = [("PAIR__SLIPS", "1")];
-        let expect = ["flag --speed", "flag --seed", "flag --hall", "environment variable HALLSWEEP__PAIR__SLIPS"];
+        let expect = ["flag --speed", "flag --seed", "environment variable HALLSWEEP__PAIR__SLIPS"];
         for robot in ["virtual-tcp", "virtual-ws", "line=localhost:9"] {
             assert_eq!(idle(&flags, &variables, robot), expect, "{robot}");
             assert_eq!(idle(&[], &[], robot), [""; 0], "{robot}: nobody has set anything");
+            assert_eq!(idle(&[("--start", "1,0")], &[], robot), ["flag --start"], "{robot}: no hall has areas");
+            let areas = [("--start", "1,0"), ("--hall", "areas.toml")];
+            assert_eq!(idle(&areas, &[], robot), [""; 0], "{robot}: the areas count from the start");
         }
         assert_eq!(idle(&flags, &variables, "sim"), [""; 0]);
     }

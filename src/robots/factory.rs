@@ -37,7 +37,7 @@ pub struct Robots {
     usual: (String, Option<(u32, u32)>),
     /// The names of all robots, the pair last.
     ids: Vec<RobotId>,
-    /// The venue of all robots without the hall.
+    /// The venue of all robots without the hall. Its areas are those of a searching robot that is not simulated.
     team: Venue,
 }
 
@@ -70,7 +70,7 @@ impl Robots {
                 let hall = if is_simulated {
                     sim::hall(settings)?
                 } else {
-                    // Without simulated robots the hall of the settings is unused, so it need not exist.
+                    // Without simulated robots the usual hall of the settings is unused, so it need not exist.
                     Arc::new(Hall::from_rows("no hall of ours", &["S"]).expect("a hall of one cell is one"))
                 };
                 SimulatedHall { hall, seed: settings.robot.seed }
@@ -104,7 +104,15 @@ impl Robots {
         let sensor = Sensor { cells: settings.core.sonar_cells, model };
         let speed = settings.robot.speed;
         let usual = (settings.hall.clone(), settings.hall_start);
-        let team = Venue { robots: ids.iter().map(participant).collect(), sensor, ..Venue::default() };
+        let is_real = settings.robot.kind != RobotKind::Sim;
+        let areas = if is_real && settings.hall_is_chosen { Arc::clone(sim::hall(settings)?.areas()) } else { Arc::default() };
+        if !is_simulated && settings.hall_is_chosen && areas.is_empty() {
+            tracing::warn!(
+                hall = settings.hall,
+                "hall.file and hall.start have no effect on the configured robots: this hall has no areas"
+            );
+        }
+        let team = Venue { robots: ids.iter().map(participant).collect(), sensor, areas, ..Venue::default() };
         Ok(Robots { hall, all, pair, wants_pair, seed, speed, chosen, no_hall, usual, ids, team })
     }
 
@@ -249,5 +257,35 @@ impl Robot {
             Robot::Sim(robot) => robot.lost(),
             Robot::External(robot) => robot.lost(),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::{Flag, Sources, load};
+    use crate::storage::tests::scratch::Scratch;
+    use hallsweep_core::units::Cell;
+
+    #[test]
+    fn a_robot_that_is_not_simulated_gets_only_the_areas_of_the_hall_that_somebody_has_chosen() {
+        let folder = Scratch::new();
+        std::fs::create_dir_all(&folder.0).expect("it can be made");
+        let file = folder.0.join("areas.toml");
+        let area = "[[area]]\nname = \"gate\"\nprobability = 0.5\ncorners = [[2, 0], [3, 1]]\n";
+        std::fs::write(&file, format!("width = 4\nheight = 2\n{area}")).expect("it can be written");
+        let venue = |set: &[(&'static str, &str)]| {
+            let chosen = set.iter().map(|(flag, value)| Flag::given(flag, (*value).to_owned()));
+            let flags = Flag::robot("line=localhost:9").into_iter().chain(chosen).collect();
+            let settings = load(&Sources { flags, ..Sources::default() }).expect("good settings");
+            Robots::of(&settings).map(|robots| robots.venue()).map_err(|unusable| unusable.to_string())
+        };
+        let hall = file.display().to_string();
+        let usual = venue(&[("--data", "none")]).expect("the usual hall is unused");
+        let chosen = venue(&[("--data", "none"), ("--hall", &hall), ("--start", "1,0")]).expect("it can be read");
+        assert_eq!(*chosen.areas[0].corners, [Cell::new(1, 0), Cell::new(2, 1)], "counted from the start");
+        assert_eq!(Venue { areas: Arc::default(), ..chosen }, usual, "nothing else of the file applies");
+        let missing = venue(&[("--data", "none"), ("--hall", "no-such.toml")]).expect_err("it is missing");
+        assert!(missing.contains("no-such.toml: cannot read this file"), "{missing}");
     }
 }

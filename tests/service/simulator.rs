@@ -445,6 +445,26 @@ fn an_old_mission_is_shown_in_the_hall_and_under_the_limit_of_then() {
     assert!(page.contains("4 cells, 16.0 m²") && page.contains("</span> wide</h1>"), "{page}");
 }
 
+/// The areas of the simulated hall are on record with the mission. Another hall brings its own.
+#[test]
+fn a_mission_has_the_areas_of_its_hall() {
+    let program = Program::serve("empty-8x8", "max");
+    let areas = |mission: u64| program.json(&format!("missions/{mission}"))["conditions"]["areas"].clone();
+    program.command("start").accepted();
+    program.until_phase("explored");
+    assert_eq!(areas(1), Value::Null, "a hall without areas");
+    let area = "[[area]]\nname = \"gate 1\"\nprobability = 0.4\ncorners = [[0, 0], [1, 1]]\n";
+    put_down(&program, &format!("drawing = \"\"\"\n.S.\n...\n\"\"\"\n{area}"));
+    program.command("start").accepted();
+    program.until_phase("explored");
+    assert_eq!(areas(2), json!([{"name":"gate 1","probability":0.4,"corners":[[-1,0],[0,1]]}]));
+    let hall = program.read("/api/v1/simulator/hall", &[]).text();
+    assert!(hall.contains(area), "{hall}");
+    let wrong = hall.replace("[1, 1]", "[3, 1]");
+    let refused = program.put("/api/v1/simulator/hall", &json!({ "toml": wrong }).to_string());
+    assert!(refused.problem(422).contains("the corner (3, 1) is outside the hall"), "it names the corner as in the file");
+}
+
 #[test]
 fn where_the_robot_is_not_simulated_there_is_no_simulator() {
     let mut command = hallsweep(&["serve", "--http", "127.0.0.1:0", "--robot", "virtual-tcp=127.0.0.1:9"]);

@@ -10,12 +10,16 @@ use serde::{Deserialize, Serialize};
 use super::{Unparsed, names};
 use hallsweep_core::settings::{AfterDanger, HotRule, Rules, SafeBy};
 use hallsweep_core::state::{Conditions, Participant, Reach, Venue};
+use hallsweep_core::units::{Bounds, Cell};
+use hallsweep_core::world::areas::Area;
 use hallsweep_core::world::coverage::{Sensor, SensorModel};
 
 /// Minimum and maximum side of a cell, in metres: no hall has smaller or larger cells.
 const SIDES_M: RangeInclusive<f64> = 0.01..=100.0;
 /// Minimum and maximum radius of a keep-out ring, in metres.
 const RINGS_M: RangeInclusive<f64> = 0.0..=Rules::WIDEST_M;
+/// Maximum distance of an area's corner from the start, in columns or rows. No hall is larger.
+const FARTHEST_CORNER: i32 = 2048;
 /// Maximum length of the name of a hall, in bytes.
 const NAME_BYTES: usize = 4096;
 
@@ -68,6 +72,20 @@ pub struct ConditionsShape {
     /// Calibrated model of the robot's sensor: `simCamera`; absent if there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     sensor: Option<String>,
+    /// Named areas of the hall; absent if there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    areas: Vec<NamedAreaShape>,
+}
+
+/// Named area of a hall.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "NamedArea")]
+struct NamedAreaShape {
+    name: String,
+    /// Probability that the bomb is in this area.
+    probability: f64,
+    /// Two opposite corners of a rectangle, or the corners of a polygon in order, each as `[column, row]` from the start.
+    corners: Vec<(i32, i32)>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -100,7 +118,15 @@ impl From<&Conditions> for ConditionsShape {
             unsure_views: Some(rules.unsure_views).filter(|views| *views != usual.unsure_views),
             sonar_cells: venue.sensor.cells,
             sensor: venue.sensor.model.map(|sensor| sensor.name().to_owned()),
+            areas: venue.areas.iter().map(NamedAreaShape::from).collect(),
         }
+    }
+}
+
+impl From<&Area> for NamedAreaShape {
+    fn from(area: &Area) -> NamedAreaShape {
+        let corners = area.corners.iter().map(|corner| (corner.x, corner.y)).collect();
+        NamedAreaShape { name: area.name.to_string(), probability: area.probability, corners }
     }
 }
 
@@ -148,9 +174,27 @@ impl ConditionsShape {
             let known = SensorModel::ALL.into_iter().find(|sensor| sensor.name() == name);
             known.ok_or_else(|| Unparsed(format!("{name:?} is no sensor that this version knows")))
         };
+        let area = |NamedAreaShape { name, probability, corners }: NamedAreaShape| Area {
+            name: name.into(),
+            probability,
+            corners: corners.into_iter().map(|(x, y)| Cell::new(x, y)).collect(),
+        };
+        let areas: Arc<[Area]> = self.areas.into_iter().map(area).collect();
+        let all = Bounds::of(Cell::HOME).grown(FARTHEST_CORNER);
+        Area::check(&areas, all).map_err(|(n, fault)| Unparsed(format!("area {}: {fault}", n + 1)))?;
         let sensor = Sensor { cells: self.sonar_cells, model: self.sensor.map(sensor).transpose()? };
         Ok(Conditions {
-            venue: Venue { name: hall.into(), cell_m, is_reckoned: reckoned, reach, robots, is_exercise: exercise, seed, sensor },
+            venue: Venue {
+                name: hall.into(),
+                cell_m,
+                is_reckoned: reckoned,
+                reach,
+                robots,
+                is_exercise: exercise,
+                seed,
+                areas,
+                sensor,
+            },
             threshold: names::celsius(threshold)?,
             rules,
         })

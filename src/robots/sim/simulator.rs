@@ -288,8 +288,8 @@ pub(in crate::robots) fn venue(hall: &Hall, seed: u64, team: &Venue) -> Venue {
     let (name, cell_m, reach) = (hall.name().into(), Some(hall.cell_m()), Some(hall.reach()));
     let (is_exercise, seed) = (hall.is_exercise(), (!hall.is_exercise()).then_some(seed));
     let model = team.sensor.model.filter(|_| hall.cell_m() == Sensor::CALIBRATED_M);
-    let sensor = Sensor { model, ..team.sensor };
-    Venue { name, cell_m, reach, is_exercise, seed, sensor, ..team.clone() }
+    let (sensor, areas) = (Sensor { model, ..team.sensor }, Arc::clone(hall.areas()));
+    Venue { name, cell_m, reach, is_exercise, seed, areas, sensor, ..team.clone() }
 }
 
 fn facts(hall: &Hall) -> HallFacts {

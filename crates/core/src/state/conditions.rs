@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use crate::settings::Rules;
 use crate::units::Celsius;
+use crate::world::areas::Area;
 use crate::world::coverage::Sensor;
 
 #[derive(Clone, Debug, PartialEq)]
@@ -35,6 +36,8 @@ pub struct Venue {
     /// The seed of all random numbers in a simulated hall. In an exercise it is left out, because it says where the
     /// test pieces stand.
     pub seed: Option<u64>,
+    /// The named areas of the hall, in the order of the hall file.
+    pub areas: Arc<[Area]>,
     pub sensor: Sensor,
 }
 

@@ -1,6 +1,7 @@
 //! The resource model: hall map, luggage, temperature and alarms. The engine decides what changes them, and when.
 
 pub mod alarm;
+pub mod areas;
 pub mod coverage;
 pub mod hall_map;
 pub mod keep_out;

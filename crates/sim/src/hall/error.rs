@@ -3,6 +3,8 @@
 
 use std::fmt;
 
+use hallsweep_core::world::areas::AreaFault;
+
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct HallError {
     /// The file. If the hall does not come from a file, the name of the hall.
@@ -87,6 +89,18 @@ pub enum HallFault {
         "the temperature at {at} s comes after the one at {before} s: sort the temperatures by time, with each time only once"
     )]
     TemperatureOrder { at: String, before: String },
+    #[error("{0}")]
+    Area(AreaFault),
+    #[error("a corner has {0} numbers: give its column and its row")]
+    NoCorner(usize),
+    /// The fault has a cell of the drawing.
+    #[error(
+        "{fault}: correct the corners of this area (column and row, counted from 0 in the north-west corner; this hall has \
+         {columns} × {rows} cells)"
+    )]
+    AreaPlace { fault: AreaFault, columns: i32, rows: i32 },
+    #[error("this area has only walls: give corners round floor or luggage, or remove the area")]
+    AreaOfWalls,
     #[error("the speed of the player is {0}, or missing: give the speed of the page, from 0.014 (5 s per cell) to 1.33 (50 ms)")]
     PlayerSpeed(String),
     #[error("this is not a MovingAI map: line {line} {} instead of `{form}`", said(.found))]

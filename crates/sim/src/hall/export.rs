@@ -80,7 +80,7 @@ impl From<HallOfScene> for Export {
 impl Export {
     /// Exports the explored part of a hall, with walls around it. `cell_m` is the side of a cell in metres. Each cell
     /// of luggage becomes one piece. The description of a piece says only whether it is dangerous, because the robot
-    /// knows no more.
+    /// knows no more. Areas are left out, because an area may reach beyond what is explored.
     #[must_use]
     pub fn explored(name: &str, cell_m: f64, state: &Snapshot) -> Export {
         let bounds = known_bounds(&state.map);
@@ -112,7 +112,13 @@ impl Export {
     #[must_use]
     pub fn in_words(&self) -> String {
         let (bounds, cell_m) = (self.hall.bounds(), self.hall.cell_m());
-        format!("{} × {} cells of {cell_m} m, {} of luggage", bounds.width(), bounds.height(), pieces(self.hall.pieces().len()))
+        let areas = match self.hall.areas().len() {
+            0 => String::new(),
+            1 => ", 1 area".to_owned(),
+            areas => format!(", {areas} areas"),
+        };
+        let pieces = pieces(self.hall.pieces().len());
+        format!("{} × {} cells of {cell_m} m, {pieces} of luggage{areas}", bounds.width(), bounds.height())
     }
 
     /// Every square, row by row from the north. In an explored hall, each square comes with its mark.
@@ -170,6 +176,8 @@ impl Export {
         }
         let is_said = |is_lost: bool, what: &str| is_lost.then(|| what.to_owned());
         lost.extend(is_said(hall.curve() != again.curve(), "the temperature"));
+        let areas = format!("the areas ({})", hall.areas().len());
+        lost.extend(is_said(hall.areas().len() != again.areas().len(), &areas));
         lost.extend(is_said(hall.name() != again.name(), "the name"));
         let described = hall.description.as_deref().filter(|words| *words != EXPLORED);
         lost.extend(is_said(described.is_some() && hall.description != again.description, "the description"));

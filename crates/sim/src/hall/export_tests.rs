@@ -33,6 +33,14 @@ mark = "b"
 kind = "box"
 colour = "brown"
 height_m = 0.33
+[[area]]
+name = 'Gate "7", north'
+probability = 0.1
+corners = [[4, 0], [0, 1], [4, 1]]
+[[area]]
+name = "belt"
+probability = 1e-9
+corners = [[4, 3], [0, 2]]
 [[temperature]]
 at_s = 0
 celsius = 21.4
@@ -63,6 +71,8 @@ fn a_hall_file_loses_nothing() {
     let written = Export::from(rich()).written(Format::Toml, "other").unwrap();
     assert_eq!(written.lost, Vec::<String>::new());
     assert_eq!(again(&written, Format::Toml), rich());
+    let words = Export::from(rich()).in_words();
+    assert_eq!(words, "5 × 4 cells of 0.3 m, 4 pieces of luggage, 2 areas");
 }
 
 #[test]
@@ -77,7 +87,7 @@ fn every_built_in_hall_is_the_same_when_it_is_written_and_read() {
 #[test]
 fn what_other_formats_cannot_say_is_said() {
     let words = ["kind, colour or height of 3 pieces", "the danger of 1 piece"];
-    let rest = ["the temperature", "the name", "the description"];
+    let rest = ["the temperature", "the areas (2)", "the name", "the description"];
     let apart = "the shape of 2 pieces";
     let map = lost(rich(), Format::MovingAi);
     let start = "the start moves from column 3, row 2 to column 1, row 2";

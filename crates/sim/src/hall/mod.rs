@@ -31,6 +31,7 @@ use crate::bag::Bag;
 use crate::curve::Curve;
 use hallsweep_core::state::Reach;
 use hallsweep_core::units::{Cell, Piece};
+use hallsweep_core::world::areas::Area;
 use hallsweep_core::world::hall_map::Bounds;
 
 /// Maximum number of columns or rows of a hall. With cells of half a metre, this is about a kilometre. The squares of
@@ -60,10 +61,12 @@ pub struct Hall {
     squares: Vec<Truth>,
     bags: Vec<Bag>,
     temperature: Option<Curve>,
+    /// In map coordinates. None overlaps another one or leaves the hall.
+    areas: Arc<[Area]>,
     is_exercise: bool,
 }
 
-/// The content of a hall file's cells. Name, cell size and temperature are not included.
+/// The content of a hall file's cells. Name, cell size, temperature and areas are not included.
 #[derive(Debug)]
 pub(super) struct Plan {
     /// The rectangle of the hall in map coordinates.
@@ -87,6 +90,7 @@ impl Hall {
             squares,
             bags,
             temperature: None,
+            areas: Arc::default(),
             is_exercise: false,
         }
     }
@@ -112,6 +116,12 @@ impl Hall {
     #[must_use]
     pub const fn cell_m(&self) -> f64 {
         self.cell_m
+    }
+
+    /// The named areas, in the order of the hall file.
+    #[must_use]
+    pub const fn areas(&self) -> &Arc<[Area]> {
+        &self.areas
     }
 
     #[must_use]
@@ -196,6 +206,7 @@ impl Hall {
         for cell in self.bags.iter_mut().flat_map(|bag| &mut bag.cells) {
             *cell = cell.relative_to(start);
         }
+        self.areas = relative_to(start, &self.areas);
         Ok(self)
     }
 
@@ -250,6 +261,11 @@ impl Hall {
     pub(super) const fn curve(&self) -> Option<&Curve> {
         self.temperature.as_ref()
     }
+}
+
+fn relative_to(origin: Cell, areas: &[Area]) -> Arc<[Area]> {
+    let moved = |area: &Area| area.corners.iter().map(|corner| corner.relative_to(origin)).collect();
+    areas.iter().map(|area| Area { corners: moved(area), ..area.clone() }).collect()
 }
 
 #[cfg(test)]

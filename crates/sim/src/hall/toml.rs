@@ -1,19 +1,22 @@
 //! Reads and writes a hall file in TOML: `name`, `description`, `cell_m`, a `drawing` or `width` and `height`,
-//! `[[luggage]]` and `[[temperature]]`. `docs/halls.md` explains each key to authors.
+//! `[[luggage]]`, `[[area]]` and `[[temperature]]`. `docs/halls.md` explains each key to authors.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::ops::{Range, RangeInclusive};
+use std::sync::Arc;
 
 use serde::Deserialize;
 use toml::Spanned;
 
 use super::error::{HallError, HallFault};
 use super::rows::{self, Drawing};
-use super::{Hall, MAX_SIDE, Plan, Truth, USUAL_CELL_M};
+use super::{Hall, MAX_SIDE, Plan, Truth, USUAL_CELL_M, relative_to};
 use crate::bag::{Bag, BagKind, Colour};
 use crate::curve::Curve;
-use hallsweep_core::units::{Celsius, Piece};
+use hallsweep_core::units::{Cell, Celsius, Piece};
+use hallsweep_core::world::areas::{Area, AreaFault};
+use hallsweep_core::world::hall_map::Bounds;
 
 /// Maximum number of temperature keyframes. It is enough for one a minute over more than a day.
 const MAX_TEMPERATURES: usize = 2048;
@@ -33,6 +36,8 @@ struct File {
     #[serde(default)]
     luggage: Vec<Luggage>,
     #[serde(default)]
+    area: Vec<NamedArea>,
+    #[serde(default)]
     temperature: Vec<Keyframe>,
 }
 
@@ -45,6 +50,15 @@ struct Luggage {
     height_m: Option<Spanned<f64>>,
     #[serde(default)]
     dangerous: bool,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct NamedArea {
+    name: Spanned<String>,
+    probability: Spanned<f64>,
+    /// Column and row of each corner, from 0 in the north-west.
+    corners: Spanned<Vec<Vec<i32>>>,
 }
 
 #[derive(Deserialize)]
@@ -69,6 +83,7 @@ pub(super) fn read(file: &str, name: &str, text: &str) -> Result<Hall, HallError
     };
     let curve = source.curve(&content.temperature)?;
     let hall = Hall::of(content.name.as_ref().map_or(name, |name| name.get_ref()), plan).measured(cell_m, curve);
+    let hall = Hall { areas: source.areas(&content.area, &hall)?, ..hall };
     Ok(hall.described(content.description.as_ref().map(|words| words.get_ref().as_str())))
 }
 
@@ -95,6 +110,7 @@ impl Source<'_> {
         }
         let reason = error.message().lines().collect::<Vec<_>>().join(", ");
         let reason = reason.replace("expected i64", "expected a whole number").replace("expected f64", "expected a number");
+        let reason = reason.replace("expected i32", "expected a column or row of the hall");
         let fault = HallFault::Syntax(format!("{reason}: correct this line"));
         match error.span() {
             Some(span) => self.at(&span, fault),
@@ -211,6 +227,38 @@ impl Source<'_> {
         Ok(())
     }
 
+    fn areas(&self, given: &[NamedArea], hall: &Hall) -> Result<Arc<[Area]>, HallError> {
+        let area = |NamedArea { name, probability, corners }: &NamedArea| {
+            let corner = |corner: &Vec<i32>| match **corner {
+                [column, row] => Ok(Cell::new(column, row)),
+                _ => Err(self.at(&corners.span(), HallFault::NoCorner(corner.len()))),
+            };
+            let corners = corners.get_ref().iter().map(corner).collect::<Result<_, _>>()?;
+            Ok(Area { name: name.get_ref().as_str().into(), probability: *probability.get_ref(), corners })
+        };
+        let areas = given.iter().map(area).collect::<Result<Vec<Area>, HallError>>()?;
+        // Faults are found in columns and rows of the drawing, so that the author understands their cells.
+        let (columns, rows) = (hall.bounds().width(), hall.bounds().height());
+        let drawing = Bounds { least: Cell::HOME, most: Cell::new(columns - 1, rows - 1) };
+        Area::check(&areas, drawing).map_err(|(index, fault)| {
+            let NamedArea { name, probability, corners } = &given[index];
+            match fault {
+                AreaFault::TooMany(_) | AreaFault::Name | AreaFault::SameName => self.at(&name.span(), HallFault::Area(fault)),
+                AreaFault::Probability | AreaFault::Sum => self.at(&probability.span(), HallFault::Area(fault)),
+                AreaFault::Corners(_) => self.at(&corners.span(), HallFault::Area(fault)),
+                AreaFault::Outside(_) | AreaFault::Overlap(..) => {
+                    self.at(&corners.span(), HallFault::AreaPlace { fault, columns, rows })
+                }
+            }
+        })?;
+        let areas = relative_to(hall.home(), &areas);
+        let of_walls = |area: &Area| area.cells().all(|cell| hall.truth(cell) == Truth::Wall);
+        match areas.iter().zip(given).find(|(area, _)| of_walls(area)) {
+            Some((_, given)) => Err(self.at(&given.corners.span(), HallFault::AreaOfWalls)),
+            None => Ok(areas),
+        }
+    }
+
     fn curve(&self, keyframes: &[Keyframe]) -> Result<Option<Curve>, HallError> {
         let mut keys: Vec<(f64, Celsius)> = Vec::new();
         for keyframe in keyframes {
@@ -263,6 +311,11 @@ pub(super) fn write(hall: &Hall) -> String {
         if let Some(mark) = letters.get(&bag.piece) {
             describe(&mut text, *mark, bag);
         }
+    }
+    for Area { name, probability, corners } in &*relative_to(hall.bounds().least, hall.areas()) {
+        let corners: Vec<String> = corners.iter().map(|Cell { x, y }| format!("[{x}, {y}]")).collect();
+        let (name, corners) = (toml::Value::from(&**name), corners.join(", "));
+        let _ = write!(text, "\n[[area]]\nname = {name}\nprobability = {probability}\ncorners = [{corners}]\n");
     }
     for (at_s, celsius) in hall.curve().map_or(&[][..], Curve::keys) {
         let _ = write!(text, "\n[[temperature]]\nat_s = {at_s}\ncelsius = {}\n", celsius.degrees());
@@ -329,6 +382,15 @@ height_m = 0.3
 at_s = 0
 celsius = 21.5
 "##;
+
+    /// A hall with three columns and two rows. The areas begin at line 6.
+    fn with_areas(areas: &str) -> String {
+        format!("drawing = '''\nS.#\n..#\n'''\n{areas}")
+    }
+
+    fn area(name: &str, probability: &str, corners: &str) -> String {
+        format!("[[area]]\nname = \"{name}\"\nprobability = {probability}\ncorners = {corners}\n")
+    }
 
     fn check(text: &str, expect: &str) {
         let error = read("halls/x.toml", "x", text).expect_err("this hall has a fault").to_string();
@@ -401,5 +463,61 @@ celsius = 21.5
         check("width = 3\nheight = = 3\n", "halls/x.toml:2: ");
         check("width = 3.5\nheight = 3\n", "halls/x.toml:1: invalid type: floating point `3.5`, expected a whole number");
         check("name = \"\"\nwidth = 1\nheight = 1\n", "halls/x.toml:1: `name` has 0 characters: give 1 to 64");
+    }
+    #[test]
+    fn areas_are_counted_from_the_corner_of_the_drawing_in_the_file_and_from_the_start_on_the_map() {
+        let text = HALL.replace("S.a", ".Sa") + &area("gate 1", "0.25", "[[0, 0], [1, 1]]") + &area("b", "0", "[[2, 0]]");
+        check(&text, "halls/x.toml:28: the area has 1 corners: give 2 to 32, two for a rectangle");
+        let hall = read("x", "x", &text.replace("[[2, 0]]", "[[2, 0], [2, 1], [2, 0]]")).unwrap();
+        let [gate, line] = &**hall.areas() else { panic!("two areas: {:?}", hall.areas()) };
+        assert_eq!((&*gate.name, gate.probability, &*line.name, line.probability), ("gate 1", 0.25, "b", 0.0));
+        assert_eq!(*gate.corners, [Cell::new(-1, 0), Cell::new(0, 1)]);
+        assert_eq!(line.cells().collect::<Vec<_>>(), [Cell::new(1, 0), Cell::new(1, 1)]);
+        let moved = hall.clone().starting_at((0, 1)).unwrap();
+        assert_eq!(*moved.areas()[0].corners, [Cell::new(0, -1), Cell::new(1, 0)]);
+        for other in [hall.rearranged(&BTreeMap::new()), hall.blocked(&BTreeSet::from([Cell::HOME])), hall.clone().called("y")] {
+            assert_eq!(other.areas(), hall.areas());
+        }
+        let empty = read("x", "x", &(String::from("width = 9\nheight = 9\n") + &area("a", "1", "[[8, 8], [0, 0]]"))).unwrap();
+        assert_eq!(empty.areas()[0].cells().count(), 81, "a hall without a drawing has areas, too");
+    }
+
+    #[test]
+    fn faults_of_areas_are_found_at_their_line_with_columns_and_rows_of_the_file() {
+        let good = area("a", "0.6", "[[0, 0], [1, 0]]");
+        let says = |text: &str, expect: &str| check(&with_areas(text), &format!("halls/x.toml:{expect}"));
+        let corners = "correct the corners of this area (column and row, counted from 0 in the north-west corner; this hall has";
+        let place = format!("{corners} 3 × 2 cells)");
+        let outside = |corner: &str| format!("8: the corner {corner} is outside the hall: {place}");
+        says(&area("a", "0.6", "[[0, 0], [3, 0]]"), &outside("(3, 0)"));
+        says(&area("a", "0.6", "[[0, -1], [1, 0]]"), &outside("(0, -1)"));
+        says(&area("a", "0.6", "[[0, 0], [2147483647, -2147483648]]"), &outside("(2147483647, -2147483648)"));
+        let overlap = format!("12: the cell (1, 0) is in the area \"a\" too: {place}");
+        says(&(good.clone() + &area("b", "0.1", "[[1, 0], [1, 1]]")), &overlap);
+        says(&(good.clone() + &area("a", "0.1", "[[0, 1], [1, 1]]")), "10: an earlier area has the same name");
+        says(&(good.clone() + &area("b", "0.5", "[[0, 1], [1, 1]]")), "11: the probabilities of the areas up to this one");
+        says(&area("a", "0.6", "[[2, 0], [2, 1]]"), "8: this area has only walls: give corners round floor or luggage");
+        for number in ["nan", "inf", "-inf", "-0.1", "1.1", "1e308"] {
+            says(&area("a", number, "[[0, 0], [1, 0]]"), "7: the probability is a number from 0 to 1");
+        }
+        for name in ["", " a", "a\\n", &"n".repeat(41)] {
+            says(&area(name, "0.6", "[[0, 0], [1, 0]]"), "6: the name of an area is one line of 1 to 40 visible characters");
+        }
+        let polygon = |corners: usize| format!("[{}]", "[0, 0], ".repeat(corners));
+        assert!(read("x", "x", &with_areas(&area("a", "0.6", &polygon(32)))).is_ok());
+        for (corners, given) in [("[]".to_owned(), 0), (polygon(33), 33), (polygon(100_000), 100_000)] {
+            says(&area("a", "0.6", &corners), &format!("8: the area has {given} corners: give 2 to 32"));
+        }
+        for (corners, wrong) in [("[[99999999999, 0], [1, 1]]", "99999999999"), ("[[0.5, 0], [1, 1]]", "0.5")] {
+            let error = read("x", "x", &with_areas(&area("a", "0.6", corners))).unwrap_err().to_string();
+            assert!(error.starts_with("x:8: invalid ") && error.contains(wrong), "{error}");
+            assert!(error.ends_with("expected a column or row of the hall: correct this line"), "{error}");
+        }
+        says(&area("a", "0.6", "[[0, 0, 0], [1, 1]]"), "8: a corner has 3 numbers: give its column and its row");
+        says(&area("a", "\"half\"", "[[0, 0], [1, 1]]"), "7: invalid type: string \"half\", expected a number");
+        says(&format!("{good}colour = \"red\"\n"), "9: unknown field `colour`, expected one of `name`, `probability`");
+        says("[[area]]\nname = \"a\"\n", "5: missing field `probability`");
+        let many: String = (0..10_000).map(|n| area(&format!("a{n}"), "0", "[[0, 0], [1, 0]]")).collect();
+        says(&many, "262: there are 10000 areas: give at most 64");
     }
 }
