@@ -6,6 +6,7 @@ const LETTERS = "abcdefghijklmnopqrstuvwxyz";
 const STEPS_BACK = 200; // so much can be undone
 const CHECK_MS = 500; // the hall is checked when nothing was drawn for so long
 const LARGEST_PX = 40; // a cell on the screen, at most
+const MOST_CORNERS = 32; // of an area
 const FLOOR = ".", WALL = "#", HOME = "S", PLAIN = "T";
 
 const $ = (id) => document.getElementById(id);
@@ -15,10 +16,11 @@ const most = Number($("draw").dataset.most);
 const mostBytes = Number($("draw").dataset.bytes);
 const mayAct = !text.readOnly;
 
-/** The hall: rows of characters, what is said of each letter, and the other lines of the file as they stand. */
-let hall = { rows: ["S"], bags: {}, head: "", tail: "" };
+/** The hall: rows of characters, what is said of each letter, the areas, and the other lines of the file as they stand. */
+let hall = { rows: ["S"], bags: {}, areas: [], head: "", tail: "" };
 let cursor = { x: 0, y: 0 };
 let anchor = null; // where a line or a rectangle began
+let outline = []; // the corners of an unfinished polygon
 let stroke = null; // what is drawn while the pointer is down: its letter, and the cell before
 let findings = [];
 let undone = [], done = [];
@@ -41,15 +43,30 @@ function parse(toml) {
     const lines = block.split("\n").slice(1).filter((line) => !/^(mark|dangerous) = /.test(line));
     bags[mark] = { lines, dangerous: /^dangerous = true$/m.test(block) };
   }
-  const tail = blocks.filter((block) => !block.startsWith("[[luggage]]")).join("\n\n");
-  return rows.some((row) => row.length !== rows[0].length) ? null : { rows, bags, head, tail };
+  const areas = blocks.filter((block) => block.startsWith("[[area]]")).map(parseArea);
+  const tail = blocks.filter((block) => !/^\[\[(luggage|area)\]\]/.test(block)).join("\n\n");
+  return areas.includes(null) || rows.some((row) => row.length !== rows[0].length) ? null : { rows, bags, areas, head, tail };
 }
 
-function written({ rows, bags, head, tail }) {
+function parseArea(block) {
+  const value = (key) => block.match(new RegExp(`^${key} = (.+)$`, "m"))?.[1] ?? "";
+  const name = value("name");
+  try {
+    const probability = JSON.parse(value("probability"));
+    return { name: /^'[^']*'$/.test(name) ? name.slice(1, -1) : JSON.parse(name), probability, corners: JSON.parse(value("corners")) };
+  } catch {
+    return null;
+  }
+}
+
+function written({ rows, bags, areas, head, tail }) {
   const there = new Set(rows.join(""));
   const blocks = Object.entries(bags).filter(([mark]) => there.has(mark)).sort().map(([mark, bag]) =>
     ["[[luggage]]", `mark = "${mark}"`, ...bag.lines, ...(bag.dangerous ? ["dangerous = true"] : [])].join("\n"));
-  return [`${head}drawing = """\n${rows.join("\n")}\n"""`, ...blocks, tail].filter(Boolean).join("\n\n") + "\n";
+  const corner = ([x, y]) => `[${x}, ${y}]`;
+  const named = areas.map(({ name, probability, corners }) =>
+    `[[area]]\nname = ${JSON.stringify(name)}\nprobability = ${probability}\ncorners = [${corners.map(corner).join(", ")}]`);
+  return [`${head}drawing = """\n${rows.join("\n")}\n"""`, ...blocks, ...named, tail].filter(Boolean).join("\n\n") + "\n";
 }
 
 /** What the program reads in a file: the hall as a hall file, and findings; or the words of its refusal. */
@@ -130,9 +147,65 @@ function* inside(from, to) {
 
 const cellsOf = (shape, from, to) => (shape === "rectangle" ? inside(from, to) : between(from, to));
 
+/** Adds an area, with a name that no other area has. */
+function addArea(corners) {
+  let number = 1;
+  while (hall.areas.some(({ name }) => name === say("editor-area-name", { number }))) number += 1;
+  const probability = Math.min(.1, Math.max(0, rest()));
+  change(() => hall.areas.push({ name: say("editor-area-name", { number }), probability, corners }));
+}
+
+/** The probability outside the areas. */
+const rest = () => Math.round((1 - hall.areas.reduce((sum, { probability }) => sum + probability, 0)) * 1e6) / 1e6;
+
+/** Adds a corner to the outline. The first corner once more closes it. */
+function addCorner({ x, y }) {
+  const [first] = outline;
+  if (first && first[0] === x && first[1] === y) {
+    const corners = outline;
+    outline = [];
+    addArea(corners.length > 2 ? corners : [...corners, first]); // two corners would be a rectangle
+  } else if (outline.length === MOST_CORNERS) {
+    tell(say("editor-corners", { most: MOST_CORNERS }));
+  } else {
+    outline.push([x, y]);
+  }
+}
+
+const isOutline = () => chosen("tool") === "area" && chosen("shape") === "line";
+
+/** The cells of each outline that was drawn. */
+const known = new Map();
+
+/** The cells whose centre is within the outline or on it, as the program counts them. */
+function cellsIn(corners) {
+  const key = JSON.stringify(corners);
+  if (known.has(key)) return known.get(key);
+  const [[x0, y0], [x1, y1]] = corners;
+  const points = corners.length === 2 ? [[x0, y0], [x1, y0], [x1, y1], [x0, y1]] : corners;
+  const [xs, ys] = [0, 1].map((axis) => points.map((point) => point[axis]));
+  const from = { x: Math.min(...xs), y: Math.min(...ys) }, to = { x: Math.max(...xs), y: Math.max(...ys) };
+  const cells = new Set();
+  for (const { x, y } of inside(from, to)) if (isWithin(points, x, y)) cells.add(`${x},${y}`);
+  known.set(key, cells);
+  return cells;
+}
+
+function isWithin(points, x, y) {
+  let is = false;
+  for (const [index, [ax, ay]] of points.entries()) {
+    const [bx, by] = points[(index + 1) % points.length];
+    const turn = (bx - ax) * (y - ay) - (by - ay) * (x - ax);
+    if (turn === 0 && x >= Math.min(ax, bx) && x <= Math.max(ax, bx) && y >= Math.min(ay, by) && y <= Math.max(ay, by)) return true;
+    if ((ay > y) !== (by > y) && (turn > 0) === (by > ay)) is = !is;
+  }
+  return is;
+}
+
 /** Draws the line or rectangle that began at the anchor. */
 function drawShape(to) {
-  change(() => {
+  if (chosen("tool") === "area") addArea([[anchor.x, anchor.y], [to.x, to.y]]);
+  else change(() => {
     stroke = {};
     for (const { x, y } of cellsOf(chosen("shape"), anchor, to)) draw(x, y);
     stroke = null;
@@ -260,10 +333,94 @@ function paintNow() {
   to.setLineDash([3, 2]);
   for (const { column, row } of findings.filter(isPlaced)) to.strokeRect(column * side + 1, row * side + 1, side - 3, side - 3);
   to.setLineDash([]);
+  paintAreas(to);
   to.strokeStyle = colour("--focus");
   if (anchor) for (const { x, y } of cellsOf(chosen("shape"), anchor, cursor)) to.strokeRect(x * side + 1, y * side + 1, side - 3, side - 3);
   to.lineWidth = 3;
   to.strokeRect(cursor.x * side + 1, cursor.y * side + 1, side - 3, side - 3);
+}
+
+/** Areas are tinted and framed cell by cell, and each has its name in its first row. */
+function paintAreas(to) {
+  to.lineWidth = 2;
+  to.strokeStyle = to.fillStyle = colour("--carrier");
+  for (const { name, corners } of hall.areas) {
+    const cells = cellsIn(corners);
+    to.beginPath();
+    to.globalAlpha = .18;
+    for (const cell of cells) {
+      const [x, y] = cell.split(",").map(Number);
+      to.fillRect(x * side, y * side, side, side);
+      for (const [dx, dy] of Object.values(ARROWS)) {
+        if (cells.has(`${x + dx},${y + dy}`)) continue;
+        const [left, top] = [x + (dx > 0), y + (dy > 0)];
+        to.moveTo(left * side, top * side);
+        to.lineTo((left + (dx === 0)) * side, (top + (dy === 0)) * side);
+      }
+    }
+    to.globalAlpha = 1;
+    to.stroke();
+    label(to, name, cells);
+  }
+  if (!outline.length) return;
+  to.beginPath();
+  for (const [x, y] of [...outline, [cursor.x, cursor.y]]) to.lineTo((x + .5) * side, (y + .5) * side);
+  to.stroke();
+  to.strokeRect(outline[0][0] * side + 1, outline[0][1] * side + 1, side - 3, side - 3);
+}
+
+function label(to, name, cells) {
+  const [x, y] = [...cells][0].split(",").map(Number);
+  const words = [...name].length > 24 ? `${[...name].slice(0, 23).join("")}…` : name;
+  to.save();
+  to.font = `600 ${Math.max(10, Math.min(12, side * .5))}px system-ui, sans-serif`;
+  to.textAlign = "left";
+  to.textBaseline = "top";
+  const left = Math.max(2, Math.min(x * side + 4, width() * side - to.measureText(words).width - 2));
+  to.lineWidth = 4;
+  to.lineJoin = "round";
+  to.strokeStyle = colour("--panel");
+  to.strokeText(words, left, y * side + 3);
+  to.fillText(words, left, y * side + 3);
+  to.restore();
+}
+
+/** The list of the areas. Its fields stay in place, so that a field that has the keyboard keeps it. */
+function showAreas() {
+  const list = $("areas");
+  while (list.children.length > hall.areas.length) list.lastElementChild.remove();
+  while (list.children.length < hall.areas.length) list.append(areaRow());
+  hall.areas.forEach(({ name, probability }, index) => {
+    const row = list.children[index], [called, share] = row.querySelectorAll("input"), discard = row.querySelector("button");
+    row.setAttribute("aria-label", name);
+    called.value = name;
+    share.value = probability;
+    discard.textContent = say("editor-area-discard", { name });
+    for (const field of [called, share, discard]) field.disabled = !mayAct;
+  });
+  $("rest").textContent = hall.areas.length ? say("editor-rest", { rest: rest() }) : "";
+}
+
+function areaRow() {
+  const row = $("area-row").content.firstElementChild.cloneNode(true), [called, share] = row.querySelectorAll("input");
+  const index = () => [...row.parentElement.children].indexOf(row);
+  called.addEventListener("change", () => {
+    const at = index();
+    change(() => { hall.areas[at].name = called.value.trim(); });
+  });
+  share.addEventListener("change", () => {
+    const number = share.value.trim() === "" ? NaN : Number(share.value.replace(",", "."));
+    if (!(number >= 0 && number <= 1)) return tell(say("editor-probability"));
+    const at = index();
+    tell("");
+    change(() => { hall.areas[at].probability = number; });
+  });
+  row.querySelector("button").addEventListener("click", () => {
+    const at = index();
+    canvas.focus();
+    change(() => { hall.areas.splice(at, 1); });
+  });
+  return row;
 }
 
 const NAMES = { [FLOOR]: say("editor-floor"), [WALL]: say("editor-wall"), [HOME]: say("editor-home"), [PLAIN]: say("editor-luggage") };
@@ -287,7 +444,9 @@ function under() {
   const bag = hall.bags[mark];
   const what = bag ? say(bag.dangerous ? "editor-dangerous" : "editor-marked", { mark }) : NAMES[mark] ?? mark;
   const found = findings.find(({ column, row }) => column === cursor.x && row === cursor.y);
-  const words = [what, ...(found ? [said(found)] : []), ...(anchor ? [say(BEGUN[chosen("shape")])] : [])];
+  const area = hall.areas.find(({ corners }) => cellsIn(corners).has(`${cursor.x},${cursor.y}`));
+  const begun = outline.length ? [say("editor-begun-outline", { corners: outline.length })] : [];
+  const words = [what, ...(area ? [say("editor-in-area", area)] : []), ...begun, ...(found ? [said(found)] : []), ...(anchor ? [say(BEGUN[chosen("shape")])] : [])];
   return placed(cursor.x, cursor.y, words.join(", "));
 }
 
@@ -300,6 +459,7 @@ function showFields() {
   $("columns").value = width();
   $("rows").value = height();
   $("name").value = hall.head.match(/^name = "(.*)"$/m)?.[1] ?? "";
+  showAreas();
   $("undo").disabled = !mayAct || !done.length;
   $("redo").disabled = !mayAct || !undone.length;
   $("download").href = `data:application/toml;charset=utf-8,${encodeURIComponent(text.value)}`;
@@ -335,6 +495,8 @@ canvas.addEventListener("pointerdown", (event) => {
   if (chosen("shape") === "brush") {
     stroke = { before: copy(), last: cursor };
     draw(cursor.x, cursor.y);
+  } else if (isOutline()) {
+    addCorner(cursor);
   } else {
     anchor = cursor;
   }
@@ -342,7 +504,7 @@ canvas.addEventListener("pointerdown", (event) => {
 });
 
 canvas.addEventListener("pointermove", (event) => {
-  if (!stroke && !(anchor && canvas.hasPointerCapture(event.pointerId))) return;
+  if (!stroke && !outline.length && !(anchor && canvas.hasPointerCapture(event.pointerId))) return;
   cursor = cellAt(event);
   if (stroke) {
     for (const { x, y } of between(stroke.last, cursor)) draw(x, y);
@@ -365,13 +527,14 @@ canvas.addEventListener("pointerup", (event) => {
 canvas.addEventListener("pointercancel", () => {
   if (stroke) hall = JSON.parse(stroke.before);
   stroke = anchor = null;
+  outline = [];
   moved();
 });
 
 // ---- by keyboard ----
 
 const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
-const CHOICES = { w: "wall", e: "floor", b: "bag", d: "danger", h: "home", f: "brush", l: "line", r: "rectangle" };
+const CHOICES = { w: "wall", e: "floor", b: "bag", d: "danger", h: "home", a: "area", f: "brush", l: "line", r: "rectangle" };
 
 canvas.addEventListener("keydown", (event) => {
   const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
@@ -387,12 +550,16 @@ canvas.addEventListener("keydown", (event) => {
     cursor = { x: Math.max(0, Math.min(width() - 1, cursor.x + dx)), y: Math.max(0, Math.min(height() - 1, cursor.y + dy)) };
     if (event.shiftKey && mayAct && chosen("shape") === "brush") change(() => draw(cursor.x, cursor.y));
   } else if (CHOICES[key]) {
-    document.querySelector(`.tools input[value=${CHOICES[key]}]`).checked = true;
+    const choice = document.querySelector(`.tools input[value=${CHOICES[key]}]`);
+    choice.checked ||= !choice.disabled;
+    suit();
   } else if (key === "c") {
     anchor = null;
+    outline = [];
   } else if ((key === " " || key === "Enter") && mayAct) {
     tell("");
     if (chosen("shape") === "brush") change(() => draw(cursor.x, cursor.y));
+    else if (isOutline()) addCorner(cursor);
     else if (anchor) drawShape(cursor);
     else anchor = cursor;
   } else {
@@ -457,9 +624,18 @@ text.addEventListener("change", async () => {
   if (!answer.why) take(answer.toml); // what is wrong the check says
 });
 
+/** An area has corners, so the brush draws none. */
+function suit() {
+  const [brush, rectangle] = ["brush", "rectangle"].map((shape) => document.querySelector(`.tools input[value=${shape}]`));
+  const isArea = chosen("tool") === "area";
+  if (isArea && brush.checked) rectangle.checked = true;
+  brush.disabled = !mayAct || isArea;
+  if (!isOutline()) outline = [];
+}
+
 for (const input of document.querySelectorAll(".tools input")) {
   input.disabled = !mayAct;
-  input.addEventListener("change", () => { anchor = null; moved(); });
+  input.addEventListener("change", () => { anchor = null; suit(); moved(); });
 }
 for (const field of $("size").elements) field.disabled = !mayAct;
 

@@ -5,7 +5,7 @@
 (() => {
   const KEY = "hallsweep-theme";
   // Colours that a canvas asks for: as colours they are given resolved, the light or the dark one.
-  const DRAWN = "visited wall bag grid red text red-text focus floor passed forward spiral back turn wall-met edge robot-body wall-yard target pallet "
+  const DRAWN = "visited wall bag grid carrier panel red text red-text focus floor passed forward spiral back turn wall-met edge robot-body wall-yard target pallet "
     + "parcel parcel-edge carried one two arm-yard on-robot";
   const kept = () => {
     try {

@@ -107,7 +107,7 @@ fn a_person_draws_a_hall_by_pointer_or_by_keys_and_has_it_searched() {
 
 #[test]
 fn a_person_keeps_halls_under_names_and_loses_none_by_one_press() {
-    for scenario in ["hallsKept", "hallsKeptPlain"] {
+    for scenario in ["hallsKept", "hallsKeptPlain", "hallAreas"] {
         let data = Data::new(scenario);
         play(scenario, &["--hall", "empty-8x8", "--data", &data.0]);
     }

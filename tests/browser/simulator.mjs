@@ -103,6 +103,65 @@ export const hallByKeys = {
   },
 };
 
+/** Areas are drawn by pointer and by keys, named, saved and opened again. What is wrong is said with its line. */
+export const hallAreas = {
+  tolerated: ['422'],
+  async play({ page, url, picture }) {
+    await page.goto(`${url}/simulator/editor?hall=seed-9x8`);
+    const plan = page.locator('#plan');
+    await plan.waitFor();
+    const areas = async () => [...(await text(page)).matchAll(/name = "(.*)"\nprobability = (.*)\ncorners = (.*)/g)].map((found) => found.slice(1).join(' '));
+    const are = async (...expect) => must((await areas()).join('; ') === expect.join('; '), `the areas are ${await areas()}`);
+    await choose(page, /^Area/);
+    must(await page.getByRole('radio', { name: /^Brush/ }).isDisabled(), 'a brush draws no area');
+    await drag(page, [0, 0], [3, 2], 9);
+    await are('Area 1 0.1 [[0, 0], [3, 2]]');
+    await choose(page, /^Line/);
+    for (const [column, row] of [[5, 4], [8, 4], [8, 7], [5, 4]]) await page.mouse.click(...await middle(page, column, row, 9));
+    await are('Area 1 0.1 [[0, 0], [3, 2]]', 'Area 2 0.1 [[5, 4], [8, 4], [8, 7]]');
+    await page.getByText('a search has nothing to inspect').waitFor();
+    must((await cursor(page).innerText()).endsWith('in the area Area 2'), await cursor(page).innerText());
+
+    const first = page.getByRole('listitem', { name: 'Area 1' });
+    await first.getByLabel('Area name').fill('gate "1"');
+    await page.keyboard.press('Tab');
+    await page.keyboard.press('Control+a');
+    await page.keyboard.type('0,95');
+    await page.keyboard.press('Tab');
+    must(/probability = 0.95/.test(await text(page)), 'the probability has lost the keyboard');
+    await page.locator('#findings .why').getByText(/hall\.toml:\d+: the probabilities of the areas up to this one add up to more than 1/).waitFor();
+    await picture('too-probable');
+    const share = page.getByRole('listitem', { name: 'gate "1"' }).getByLabel('Probability');
+    await share.fill('much');
+    await page.keyboard.press('Tab');
+    await page.locator('#draw-why').getByText('Give the area a probability from 0 to 1.').waitFor();
+    await share.fill('0.4');
+    await page.keyboard.press('Tab');
+    await page.getByText('Probability outside the areas: 0.5').waitFor();
+    await page.getByText('a search has nothing to inspect').waitFor();
+    await fits(page);
+    await picture('areas');
+
+    // With keys: a second outline, cancelled, and an area of one cell over the first one, undone.
+    await plan.focus();
+    for (const key of ['a', 'l', 'Space', 'ArrowLeft', 'Space', 'c', 'r']) await page.keyboard.press(key);
+    for (let steps = 0; steps < 8; steps += 1) for (const key of ['ArrowLeft', 'ArrowUp']) await page.keyboard.press(key);
+    await page.keyboard.press('Space');
+    await page.keyboard.press('Space');
+    await page.locator('#findings .why').getByText(/hall\.toml:\d+: the cell \(0, 0\) is in the area "gate "1"" too/).waitFor();
+    await page.keyboard.press('Control+z');
+    await page.getByText('a search has nothing to inspect').waitFor();
+
+    await page.getByLabel('Save as').fill('with-areas');
+    await button(page, /^Save$/).click();
+    await page.getByText('This hall is saved as with-areas').waitFor();
+    must(/name = 'gate "1"'\nprobability = 0.4/.test(await text(page)), `the file has another area: ${await text(page)}`);
+    await button(page, 'Delete area Area 2').click();
+    must(/name = "gate \\"1\\""\nprobability = 0.4\ncorners = \[\[0, 0\], \[3, 2\]\]\n$/.test(await text(page)), `it is ${await text(page)}`);
+    await picture('saved');
+  },
+};
+
 const files = {
   'm.map': 'type octile\nheight 2\nwidth 4\nmap\n..T@\n....\n',
   'room.js': 'const config = { floor: { size: { x: 35, y: 35 } }, player: { position: { x: .08, y: .08 }, speed: .2 } };\nexport default config;\n',

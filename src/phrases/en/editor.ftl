@@ -13,6 +13,7 @@ halls-floor = Floor
 halls-luggage = Luggage
 halls-dangerous = Dangerous
 halls-home = Home
+halls-area = Area
 halls-shape = Shape to draw
 halls-brush = Brush
 halls-line = Line
@@ -21,6 +22,10 @@ halls-undo = Undo
 halls-redo = Redo
 halls-drawing-about = Draw with a pointer or a finger. With the keyboard, arrows move the cursor, and space draws; a line or a rectangle needs space twice. <kbd>c</kbd> cancels an unfinished line or rectangle. The letter beside a tool chooses that tool.
 halls-plan = Plan of the hall
+halls-areas = Areas
+halls-areas-about = With the tool <i>Area</i>, a rectangle is an area. <i>Line</i> draws any other outline: each press adds a corner, and a press on the first corner closes the outline. The probability says how likely the bomb is in this area; all areas together have at most 1. Areas do not overlap.
+halls-area-name = Area name
+halls-area-probability = Probability
 halls-name = Name
 halls-columns = Columns
 halls-rows = Rows
@@ -32,7 +37,7 @@ halls-download = Download
 ## The file.
 
 halls-file = The hall as a file
-halls-file-about = In the drawing, <code>.</code> is floor, <code>#</code> is wall, <code>S</code> is home, and other letters are luggage. <code>dangerous = true</code> marks a dangerous piece.
+halls-file-about = In the drawing, <code>.</code> is floor, <code>#</code> is wall, <code>S</code> is home, and other letters are luggage. <code>dangerous = true</code> marks a dangerous piece. <code>[[area]]</code> begins a named area.
 halls-check = Check
 halls-use = Use this hall
 halls-another = Begin with another hall

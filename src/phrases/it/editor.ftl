@@ -13,6 +13,7 @@ halls-floor = Pavimento
 halls-luggage = Bagaglio
 halls-dangerous = Pericoloso
 halls-home = Base
+halls-area = Area
 halls-shape = Forma da disegnare
 halls-brush = Pennello
 halls-line = Linea
@@ -21,6 +22,10 @@ halls-undo = Annulla
 halls-redo = Ripristina
 halls-drawing-about = Disegnare con il puntatore o con il dito. Con la tastiera le frecce muovono il cursore e lo spazio disegna; per una linea o un rettangolo lo spazio serve due volte. <kbd>c</kbd> annulla una linea o un rettangolo non finiti. La lettera accanto a uno strumento lo sceglie.
 halls-plan = Pianta della sala
+halls-areas = Aree
+halls-areas-about = Con lo strumento <i>Area</i> un rettangolo è un'area. <i>Linea</i> disegna ogni altro contorno: ogni pressione aggiunge un vertice, e una pressione sul primo vertice chiude il contorno. La probabilità dice quanto è probabile che la bomba sia in quest'area; tutte le aree insieme hanno al massimo 1. Le aree non si sovrappongono.
+halls-area-name = Nome dell'area
+halls-area-probability = Probabilità
 halls-name = Nome
 halls-columns = Colonne
 halls-rows = Righe
@@ -32,7 +37,7 @@ halls-download = Scaricare
 ## Il file.
 
 halls-file = La sala come file
-halls-file-about = Nel disegno <code>.</code> è pavimento, <code>#</code> è parete, <code>S</code> è la base, e le altre lettere sono bagagli. <code>dangerous = true</code> segna un bagaglio pericoloso.
+halls-file-about = Nel disegno <code>.</code> è pavimento, <code>#</code> è parete, <code>S</code> è la base, e le altre lettere sono bagagli. <code>dangerous = true</code> segna un bagaglio pericoloso. <code>[[area]]</code> comincia un'area con un nome.
 halls-check = Controllare
 halls-use = Usare questa sala
 halls-another = Cominciare da un'altra sala

@@ -183,7 +183,7 @@ async fn what_was_refused_stands_in_italian_beside_its_button() {
         ("/simulator/editor", "act=keep&opened=mine&name=mine&toml=x", "senza cartella dei dati non si conservano sale"),
         ("/simulator/editor", "act=check&toml=x", "questa sala non si può usare: «hall.toml:1: "),
     ] {
-        let page = app.italian("POST", path, body, &[], &["depot", "mine"]).await;
+        let page = app.italian("POST", path, body, &[], &["depot", "mine", "Area"]).await;
         check(&page, &[&format!("role=\"alert\">{words}")]);
     }
     let (_, state) = app.json("PUT", "/api/v1/simulator/hall", "{\"name\":\"depot\"}").await;
@@ -193,7 +193,7 @@ async fn what_was_refused_stands_in_italian_beside_its_button() {
 
 #[tokio::test]
 async fn the_editor_and_its_script_speak_italian() {
-    let names = ["depot", "mine"];
+    let names = ["depot", "mine", "Area"];
     let app = simulated(searching(), Access::Open, false);
     let page = app.italian("GET", "/simulator/editor", "", &[], &names).await;
     check(
