@@ -58,9 +58,13 @@ pub fn excerpt(resource: Resource, snapshot: &Snapshot) -> Option<Vec<u8>> {
     match resource {
         Resource::Luggage => luggage(&snapshot.luggage).map(|excerpt| shape(Form::Json, &excerpt)),
         Resource::Map => map(snapshot).map(|excerpt| shape(Form::Json, &excerpt)),
-        Resource::Mission | Resource::Robot | Resource::Temperature | Resource::Alarms | Resource::Retrieval | Resource::Log => {
-            None
-        }
+        Resource::Mission
+        | Resource::Robot
+        | Resource::Coverage
+        | Resource::Temperature
+        | Resource::Alarms
+        | Resource::Retrieval
+        | Resource::Log => None,
     }
 }
 

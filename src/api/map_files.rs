@@ -2,6 +2,8 @@
 //! in the formats of hall files. Scenes (`.js`) are not among these formats, because they can only be read.
 //! `hallsweep_sim` writes the formats; the map for screens is in `map`.
 
+use super::coverage;
+use super::resources::ResourceKind;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::resource::Resource;
@@ -21,6 +23,7 @@ enum MapPart {
     File(Format),
     /// The image to which the YAML refers.
     Image,
+    Coverage,
 }
 
 /// Common first part of the file names. All files share it, because the YAML refers to its image by file name.
@@ -30,12 +33,13 @@ const STEM: &str = "hall";
 const USUAL_CELL_M: f64 = 0.5;
 
 #[rustfmt::skip]
-pub const FILES: [MapFileRow; 5] = [
+pub const FILES: [MapFileRow; 6] = [
     row("hall.toml", "application/toml", "A hall file", MapPart::File(Format::Toml)),
     row("hall.map", "text/plain; charset=utf-8", "A MovingAI map", MapPart::File(Format::MovingAi)),
     row("hall.yaml", "application/yaml", "Description of `hall.pgm` for ROS `map_server`", MapPart::File(Format::Occupancy)),
     row("hall.pgm", "image/x-portable-graymap", "Image for `hall.yaml`, one pixel per cell", MapPart::Image),
     row("hall.txt", "text/plain; charset=utf-8", "Map text of old clients, from the first known cell", MapPart::File(Format::SeedText)),
+    row("coverage.csv", "text/csv; charset=utf-8", "Every cell that was looked at, with its views", MapPart::Coverage),
 ];
 
 const fn row(name: &'static str, media_type: &'static str, title: &'static str, part: MapPart) -> MapFileRow {
@@ -44,7 +48,10 @@ const fn row(name: &'static str, media_type: &'static str, title: &'static str, 
 
 impl MapFileRow {
     pub fn revision(&self, snapshot: &Snapshot) -> Revision {
-        snapshot.revision_of(Resource::Map).max(snapshot.revision_of(Resource::Luggage))
+        match self.part {
+            MapPart::Coverage => ResourceKind::Of(Resource::Coverage).revision(snapshot),
+            MapPart::File(_) | MapPart::Image => snapshot.revision_of(Resource::Map).max(snapshot.revision_of(Resource::Luggage)),
+        }
     }
 
     /// Writes the file. `cell_m` is the side of a cell in metres, if known.
@@ -53,6 +60,7 @@ impl MapFileRow {
         match self.part {
             MapPart::File(format) => export.file(format, STEM),
             MapPart::Image => export.image(),
+            MapPart::Coverage => coverage::csv(snapshot).into_bytes(),
         }
     }
 }

@@ -10,6 +10,7 @@ pub mod changes;
 pub mod command;
 pub mod commands;
 pub mod concise_problem;
+pub mod coverage;
 pub mod door;
 pub mod excerpt;
 pub mod exercise;

@@ -6,11 +6,12 @@
 use serde::Serialize;
 use serde_json::Value;
 
+use super::coverage::CoverageJson;
 use super::luggage::LuggageJson;
 use super::map::{MapJson, map_revision};
 use super::mission::StrategyJson;
 use super::state::{self, StateJson};
-use super::{cbor, map_text, old_items, senml, text};
+use super::{cbor, coverage, map_text, old_items, senml, text};
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{LuggageId, Revision};
 use hallsweep_core::world::luggage::Luggage;
@@ -55,12 +56,13 @@ const MEASURED: &[Form] = &[Form::Json, Form::Cbor, Form::Text, Form::Senml];
 
 /// The doors and `docs/` list the resources in this order.
 #[rustfmt::skip]
-pub const RESOURCES: [ResourceRow; 12] = [
+pub const RESOURCES: [ResourceRow; 13] = [
     row(ResourceKind::State, "state", "/state", "The whole state at one revision", SHAPES),
     row(ResourceKind::Strategy, "strategy", "/strategy", "The search strategy", WITH_TEXT),
     of(Resource::Mission, "/mission", "Phase, holds, goal and progress", WITH_TEXT),
     of(Resource::Robot, "/robot", "Activity and place of the robot", MEASURED),
     of(Resource::Map, "/map", "The known part of the hall", WITH_TEXT),
+    of(Resource::Coverage, "/coverage", "How far the hall and its areas are searched", WITH_TEXT),
     of(Resource::Luggage, "/luggage", "The luggage of this mission", SHAPES),
     of(Resource::Temperature, "/temperature", "The temperature and its effect", MEASURED),
     of(Resource::Alarms, "/alarms", "The alarms", SHAPES),
@@ -97,6 +99,7 @@ impl ResourceKind {
             ResourceKind::State => snapshot.revision,
             ResourceKind::Strategy => snapshot.revision_of(Resource::Mission),
             ResourceKind::Of(Resource::Map) => map_revision(snapshot),
+            ResourceKind::Of(Resource::Coverage) => map_revision(snapshot).max(snapshot.revision_of(Resource::Mission)),
             ResourceKind::Of(resource) => snapshot.revision_of(resource),
             ResourceKind::Piece | ResourceKind::Photo => snapshot.revision_of(Resource::Luggage),
         }
@@ -119,6 +122,7 @@ impl ResourceKind {
             ResourceKind::Of(Resource::Mission) => text::mission(&snapshot.mission),
             ResourceKind::Of(Resource::Robot) => old_items::robot(&snapshot.robot),
             ResourceKind::Of(Resource::Map) => map_text::lines(snapshot),
+            ResourceKind::Of(Resource::Coverage) => coverage::line(&snapshot.searched().hall),
             ResourceKind::Of(Resource::Temperature) => text::temperature(&snapshot.temperature),
             ResourceKind::Of(Resource::Retrieval) => text::retrieval(snapshot),
             ResourceKind::Of(Resource::Luggage | Resource::Alarms | Resource::Log)
@@ -133,7 +137,13 @@ impl ResourceKind {
             ResourceKind::Of(Resource::Robot) => senml::robot(&snapshot.robot),
             ResourceKind::Of(Resource::Temperature) => senml::temperature(&snapshot.temperature),
             ResourceKind::Of(
-                Resource::Mission | Resource::Map | Resource::Luggage | Resource::Alarms | Resource::Retrieval | Resource::Log,
+                Resource::Mission
+                | Resource::Map
+                | Resource::Coverage
+                | Resource::Luggage
+                | Resource::Alarms
+                | Resource::Retrieval
+                | Resource::Log,
             )
             | ResourceKind::State
             | ResourceKind::Strategy
@@ -151,6 +161,7 @@ impl ResourceKind {
             ResourceKind::Of(Resource::Mission) => marked(snapshot, form, &state::mission(snapshot)),
             ResourceKind::Of(Resource::Robot) => marked(snapshot, form, &state::robot(snapshot)),
             ResourceKind::Of(Resource::Map) => marked(snapshot, form, &MapJson::from(snapshot)),
+            ResourceKind::Of(Resource::Coverage) => marked(snapshot, form, &CoverageJson::new(snapshot, self.revision(snapshot))),
             ResourceKind::Of(Resource::Luggage) => marked(snapshot, form, &pieces()),
             ResourceKind::Of(Resource::Temperature) => marked(snapshot, form, &state::temperature(snapshot)),
             ResourceKind::Of(Resource::Alarms) => marked(snapshot, form, &state::alarms(snapshot)),
@@ -220,9 +231,9 @@ mod tests {
             let is_new = |row: &&ResourceRow| row.kind.revision(&before) != row.kind.revision(&after);
             RESOURCES.iter().filter(is_new).map(|row| row.name).collect()
         };
-        assert_eq!(new(Resource::Mission), ["state", "strategy", "mission"]);
-        assert_eq!(new(Resource::Robot), ["state", "robot", "map"], "the robot stands in the map");
-        assert_eq!(new(Resource::Map), ["state", "map"]);
+        assert_eq!(new(Resource::Mission), ["state", "strategy", "mission", "coverage"]);
+        assert_eq!(new(Resource::Robot), ["state", "robot", "map", "coverage"], "the robot stands in the map");
+        assert_eq!(new(Resource::Map), ["state", "map", "coverage"]);
         assert_eq!(new(Resource::Luggage), ["state", "luggage", "piece", "photo"]);
         assert_eq!(new(Resource::Alarms), ["state", "alarms"]);
     }

@@ -10,6 +10,7 @@ use super::command::{
     AreaBody, CloseBody, EpochBody, GotoBody, HandOverBody, MoveBody, RetrieveBody, StrategyBody, TemperatureBody, VerdictBody,
 };
 use super::commands::Takes;
+use super::coverage::CoverageJson;
 use super::log::LogLineJson;
 use super::luggage::LuggageJson;
 use super::map::MapJson;
@@ -54,6 +55,7 @@ impl Schemas {
             ResourceKind::Of(Resource::Mission) => self.sent::<MissionJson>(),
             ResourceKind::Of(Resource::Robot) => self.sent::<RobotJson>(),
             ResourceKind::Of(Resource::Map) => self.sent::<MapJson>(),
+            ResourceKind::Of(Resource::Coverage) => self.sent::<CoverageJson>(),
             ResourceKind::Of(Resource::Luggage) => self.sent::<Vec<LuggageJson>>(),
             ResourceKind::Of(Resource::Temperature) => self.sent::<TemperatureJson>(),
             ResourceKind::Of(Resource::Alarms) => self.sent::<Vec<AlarmJson>>(),

@@ -12,6 +12,12 @@ pub fn rfc3339(wall: WallTime) -> String {
     format!("{}{}", at.strftime("%Y-%m-%dT%H:%M:%S%.3f"), at.strftime("%:z"))
 }
 
+/// The minute, such as `2026-02-03T10:05+01:00`.
+pub fn minute(wall: WallTime) -> String {
+    let at = zoned(wall);
+    format!("{}{}", at.strftime("%Y-%m-%dT%H:%M"), at.strftime("%:z"))
+}
+
 /// The time of day, such as `10:05:12`, in the zone of `wall`.
 pub fn clock_time(wall: WallTime) -> String {
     zoned(wall).strftime("%H:%M:%S").to_string()

@@ -4,6 +4,7 @@
 pub(crate) use coap_endpoint::{Code, Conditions, Format, Method, Request as CoapRequest, Response as CoapResponse};
 pub(crate) use hallsweep::access::{Access, Caller, Key, Keyring, Keys, OPERATOR, Role, Token};
 pub(crate) use hallsweep::api::changes::ChangesJson;
+pub(crate) use hallsweep::api::coverage::CoverageJson;
 pub(crate) use hallsweep::api::journal::{self, Picture};
 pub(crate) use hallsweep::api::map::MapJson;
 pub(crate) use hallsweep::api::problem::{ProblemJson, ProblemKind};

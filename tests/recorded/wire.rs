@@ -8,9 +8,10 @@ use sha2::{Digest, Sha256};
 
 use super::book::{Book, hex};
 use super::doors::{
-    AlarmId, CODES, Cell, ChangesJson, Code, CommandId, Entry, Epoch, Fact, Hold, LuggageId, MapJson, MissionId, OpenPoints,
-    PhaseName, Picture, ProblemJson, ProblemKind, Refusal, RefusalKind, Refused, Resource, ResourceKind, Revision, RobotId, Seq,
-    Snapshot, StateJson, Verdict, cbor, concise_problem, journal, journal_words, map_text, old_items, qak, senml, state, text,
+    AlarmId, CODES, Cell, ChangesJson, Code, CommandId, CoverageJson, Entry, Epoch, Fact, Hold, LuggageId, MapJson, MissionId,
+    OpenPoints, PhaseName, Picture, ProblemJson, ProblemKind, Refusal, RefusalKind, Refused, Resource, ResourceKind, Revision,
+    RobotId, Seq, Snapshot, StateJson, Verdict, cbor, concise_problem, journal, journal_words, map_text, old_items, qak, senml,
+    state, text,
 };
 
 /// Records every form of a state, and of its changes since the one before.
@@ -27,6 +28,10 @@ pub(crate) fn snapshot(book: &mut Book, older: Option<&Snapshot>, newer: &Snapsh
             Resource::Mission => shape(book, name, &state::mission(newer)),
             Resource::Robot => shape(book, name, &state::robot(newer)),
             Resource::Map => shape(book, name, &MapJson::from(newer)),
+            Resource::Coverage => {
+                let shown = ResourceKind::Of(resource);
+                shape(book, name, &CoverageJson::new(newer, shown.revision(newer)));
+            }
             Resource::Luggage => shape(book, name, &state::luggage(newer)),
             Resource::Temperature => shape(book, name, &state::temperature(newer)),
             Resource::Alarms => shape(book, name, &state::alarms(newer)),

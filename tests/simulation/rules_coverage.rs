@@ -66,6 +66,7 @@ fn a_piece_that_is_missed_looks_like_a_wall_and_only_the_camera_that_may_miss_mi
         assert!(pieces.iter().all(|cell| state.map.at(*cell) != Mark::Visited), "seed {seed}");
         let (sure, pieces) = search(seed, 0, false);
         assert!(pieces.iter().all(|cell| sure.state.map.at(*cell) != Mark::Wall), "seed {seed}");
+        assert_eq!(sure.state.searched().hall.detection, None, "the sensor is not calibrated");
     }
     assert!(missed > 20, "only {missed} pieces were missed");
 }

@@ -19,7 +19,7 @@ use crate::runtime::figures::{Figures, Series, flag};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::snapshot::Snapshot;
-use hallsweep_core::units::Celsius;
+use hallsweep_core::snapshot::searched::{Searched, SearchedHall};
 
 /// Media types of both formats. The default is the first one.
 pub(super) const FORMATS: [&str; 2] = ["text/plain", "application/openmetrics-text"];
@@ -79,18 +79,34 @@ fn register_state(snapshot: &Snapshot, to: &mut Registry) {
     to.register("hold", "1 for every active reason why nothing moves, 0 for every other reason", Series::of(["hold"], holds));
     let robots = snapshot.robots.iter().map(|robot| ([robot.id.name()], flag(!robot.holds.contains(&Hold::RobotLink))));
     to.register("robot_reached", "1 for every robot that can be reached, 0 for every other robot", Series::of(["robot"], robots));
+    register_coverage(&snapshot.searched(), to);
     let temperature = &snapshot.temperature;
     let latest = "Latest reading of all temperature sources; absent before the first reading and while all sources are silent";
     if let Some(reading) = temperature.celsius.filter(|_| temperature.silent_since.is_none()) {
-        to.register_with_unit("temperature", latest, Unit::Celsius, degrees(reading));
+        to.register_with_unit("temperature", latest, Unit::Celsius, gauge(reading.degrees()));
     }
     let threshold = "Temperature above which nothing moves";
-    to.register_with_unit("temperature_threshold", threshold, Unit::Celsius, degrees(temperature.threshold));
+    to.register_with_unit("temperature_threshold", threshold, Unit::Celsius, gauge(temperature.threshold.degrees()));
 }
 
-fn degrees(celsius: Celsius) -> Gauge<f64, AtomicU64> {
+/// The whole hall has an empty label `area`, which no named area can have.
+#[expect(clippy::cast_precision_loss, reason = "a hall has fewer cells than 2^53")]
+fn register_coverage(all: &SearchedHall, to: &mut Registry) {
+    // The library writes the values of labels as they are.
+    let named = all.areas.iter().map(|(area, searched)| (area.name.replace('\\', r"\\").replace('"', "\\\""), searched));
+    let named: Vec<(String, &Searched)> = named.chain([(String::new(), &all.hall)]).collect();
+    let parts = || named.iter().map(|(area, searched)| (area.as_str(), *searched));
+    let cells = parts().flat_map(|(area, searched)| searched.parts().map(|(how, cells)| ([area, how], gauge(cells as f64))));
+    let words = "Number of cells of the hall and of each named area, by how they were searched";
+    to.register("coverage_cells", words, Series::of(["area", "searched"], cells));
+    let shares = parts().filter_map(|(area, searched)| Some(([area], gauge(searched.detection?))));
+    let words = "Probability that a piece in the hall or in a named area was found; absent if it is unknown";
+    to.register("coverage_detection", words, Series::of(["area"], shares));
+}
+
+fn gauge(value: f64) -> Gauge<f64, AtomicU64> {
     let gauge = Gauge::default();
-    gauge.set(celsius.degrees());
+    gauge.set(value);
     gauge
 }
 

@@ -12,6 +12,9 @@ use crate::api::tests::fixture::searching;
 use crate::doors::http::testing::{app, text};
 use crate::runtime::figures::{self, OTHER};
 use hallsweep_core::command::Command;
+use hallsweep_core::units::Cell;
+use hallsweep_core::world::areas::Area;
+use hallsweep_core::world::coverage::SensorModel;
 
 #[derive(Debug, Default)]
 struct Family {
@@ -25,7 +28,9 @@ struct Family {
 }
 
 fn shown() -> String {
-    written(&Figures::default(), &searching()).unwrap()
+    let mut snapshot = searching();
+    snapshot.venue.sensor.model = Some(SensorModel::SimCamera);
+    written(&Figures::default(), &snapshot).unwrap()
 }
 
 /// Splits a line of metrics into its name, its labels and its value. The line must not be a comment.
@@ -165,7 +170,7 @@ fn the_documentation_shows_the_figures_as_they_are() {
         };
         // Of labels whose values differ between machines, only the name is documented. The same applies to the bounds
         // of buckets.
-        let open = ["le", "robot", "version"];
+        let open = ["area", "le", "robot", "version"];
         let values = |values: &[String]| values.iter().map(|value| format!("`{value}`")).collect::<Vec<_>>().join(" ");
         let said = |(label, known): (&String, &Vec<String>)| {
             if open.contains(&label.as_str()) { format!("`{label}`") } else { format!("`{label}`: {}", values(known)) }
@@ -221,4 +226,13 @@ fn every_panel_of_the_dashboard_has_a_title_a_place_and_the_data_source_that_is_
         assert!(w > 0 && x + w <= 24, "{panel}");
         assert!(!panel["targets"].as_array().unwrap().is_empty(), "{panel}");
     }
+}
+
+#[test]
+fn the_name_of_an_area_is_written_as_prometheus_reads_it() {
+    let mut snapshot = searching();
+    let corners = [Cell::HOME, Cell::new(1, 1)].into();
+    snapshot.venue.areas = [Area { name: r#"a"b\c"#.into(), probability: 0.5, corners }].into();
+    let text = written(&Figures::default(), &snapshot).unwrap();
+    assert!(text.contains(r#"hallsweep_coverage_cells{area="a\"b\\c",searched="driven"} "#), "{text}");
 }

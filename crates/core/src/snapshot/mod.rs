@@ -5,11 +5,13 @@ pub mod log;
 pub mod retrieval;
 pub mod robot;
 pub mod said;
+pub mod searched;
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
+use self::searched::SearchedHall;
 use crate::closing::{Closed, OpenPoints};
 use crate::command::Strategy;
 use crate::hold::Hold;
@@ -60,6 +62,12 @@ pub struct Snapshot {
 }
 
 impl Snapshot {
+    /// Counts how far the hall and its areas have been searched. The work grows with the number of known cells.
+    #[must_use]
+    pub fn searched(&self) -> SearchedHall {
+        SearchedHall::of(&self.map, &self.coverage, &self.venue)
+    }
+
     #[must_use]
     pub fn revision_of(&self, resource: Resource) -> Revision {
         self.revisions[resource as usize]

@@ -50,7 +50,7 @@ pub struct Participant {
     pub address: Option<Arc<str>>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Reach {
     /// Number of free cells that can be reached, including the start.
     pub reachable: u32,

@@ -1,6 +1,7 @@
 //! The known part of the hall: a mark for every cell, and the frontier, where the known cells end. `tiles` stores the
 //! marks in memory that snapshots share. `hallsweep::api` encodes a map for clients.
 
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 pub use super::mark::Mark;
@@ -136,6 +137,19 @@ impl HallMap {
     /// The tiles that may have changed since `older`, an earlier state of this map.
     pub fn tiles_changed_since<'a>(&'a self, older: &'a HallMap) -> impl Iterator<Item = (Cell, &'a Arc<Tile>)> {
         self.tiles.changed(&older.tiles).filter(|(_, tile)| tile.is_known())
+    }
+
+    /// Returns the known cells of a part of a row. Tiles of which nothing is known are skipped.
+    pub(crate) fn known_in(&self, y: i32, columns: RangeInclusive<i32>) -> impl Iterator<Item = (Cell, Mark)> {
+        let (first, last) = columns.into_inner();
+        let tiles = (first.div_euclid(TILE)..=last.div_euclid(TILE)).filter_map(move |n| {
+            let tile = self.tiles.tile(Cell::new(n, y.div_euclid(TILE)))?;
+            Some((first.max(n * TILE)..=last.min(n * TILE + TILE - 1), tile))
+        });
+        let marked = tiles.flat_map(move |(columns, tile)| {
+            columns.map(move |x| Cell::new(x, y)).map(move |cell| (cell, tile.at(place_in_tile(cell))))
+        });
+        marked.filter(|(_, mark)| *mark != Mark::Unknown)
     }
 
     pub fn known(&self) -> impl Iterator<Item = (Cell, Mark)> {

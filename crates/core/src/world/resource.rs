@@ -10,6 +10,8 @@ named! {
         /// State, heading, position, sonar and LED of the robot.
         Robot = "robot",
         Map = "map",
+        /// How far the hall and its areas have been searched.
+        Coverage = "coverage",
         Luggage = "luggage",
         Temperature = "temperature",
         Alarms = "alarms",

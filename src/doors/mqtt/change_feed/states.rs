@@ -35,7 +35,11 @@ impl States {
     pub(super) fn take(&mut self, resource: Resource, snapshot: &Snapshot, now: Duration) -> Vec<u8> {
         let shown = ResourceKind::Of(resource);
         let state = excerpt(resource, snapshot).unwrap_or_else(|| shown.written(0, Form::Json, snapshot, identity));
-        let next = now + update_interval::for_size(state.len()).max(PACE);
+        let hall = snapshot.map.known_bounds();
+        let cells = usize::try_from(i64::from(hall.width()) * i64::from(hall.height())).unwrap_or(usize::MAX);
+        // The coverage is short, but the work for it grows with the hall.
+        let size = if resource == Resource::Coverage { cells } else { state.len() };
+        let next = now + update_interval::for_size(size).max(PACE);
         self.0[resource as usize] = Said { revision: Some(shown.revision(snapshot)), next };
         state
     }

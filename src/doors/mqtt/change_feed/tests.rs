@@ -3,6 +3,7 @@
 use serde_json::Value;
 
 use super::*;
+use crate::api::coverage::CoverageJson;
 use crate::api::log::LogLineJson;
 use crate::api::resources::ResourceKind;
 use crate::api::state::StateJson;
@@ -110,6 +111,7 @@ fn at_first_everything_is_said_once_beginning_with_being_there() {
         "mission",
         "robot",
         "map",
+        "coverage",
         "luggage",
         "temperature",
         "alarms",
@@ -146,7 +148,10 @@ fn every_resource_shows_what_the_http_door_shows_at_the_same_revision() {
     for state in [idle(), searching()] {
         let said = show(&mut feed(), &state, ms(0));
         let whole = serde_json::to_value(StateJson::from(&state)).unwrap();
-        for resource in Resource::ALL {
+        // The whole state leaves the coverage out, because all cells are counted for it.
+        let coverage: Value = serde_json::to_value(CoverageJson::new(&state, state.revision)).unwrap();
+        assert_eq!(json(&said, &topics().state(Resource::Coverage)), coverage);
+        for resource in Resource::ALL.into_iter().filter(|resource| *resource != Resource::Coverage) {
             assert_eq!(json(&said, &topics().state(resource)), whole[ResourceKind::Of(resource).row().name], "{resource:?}");
         }
     }
@@ -159,7 +164,7 @@ fn only_what_changed_is_said_and_a_map_changes_with_its_robot() {
     touch(&mut state, 21, &[Resource::Temperature]);
     assert_eq!(names(&show(&mut feed, &state, ms(1000))), ["temperature"]);
     touch(&mut state, 22, &[Resource::Robot]);
-    assert_eq!(names(&show(&mut feed, &state, ms(2000))), ["robot", "map"]);
+    assert_eq!(names(&show(&mut feed, &state, ms(2000))), ["robot", "map", "coverage"]);
 }
 
 #[test]
@@ -211,7 +216,7 @@ fn a_map_is_said_the_more_seldom_the_larger_it_is_and_at_last_as_it_is() {
     step(&mut state);
     assert_eq!(names(&show(&mut feed, &state, ms(200))), ["events", "robot"], "the robot is said at once");
     assert!(feed.poll_timeout().is_some_and(|due| due > ms(900)));
-    assert_eq!(names(&all(&mut feed, ms(60_000))), ["map", "events"]);
+    assert_eq!(names(&all(&mut feed, ms(60_000))), ["coverage", "map", "events"]);
     assert_eq!(feed.poll_timeout(), None);
 }
 
@@ -409,7 +414,7 @@ fn the_state_of_the_vacuum_is_said_when_it_is_another_one() {
     let said = show(&mut feed, &state, ms(0));
     assert_eq!(json(&said, "hallsweep/discovery/homeassistant")["state"], "docked");
     touch(&mut state, 2, &[Resource::Mission]);
-    assert_eq!(names(&show(&mut feed, &state, ms(200))), ["mission"]);
+    assert_eq!(names(&show(&mut feed, &state, ms(200))), ["mission", "coverage"]);
     state.mission.phase = hallsweep_core::phase::PhaseName::Exploring;
     touch(&mut state, 3, &[Resource::Mission]);
     let said = show(&mut feed, &state, ms(400));
