@@ -1,8 +1,11 @@
 //! A search without a mission, move by move: strategy, known cells, and the true hall. Its moves are those of a
 //! mission in which the operator declares everything safe. A walk takes a hundredth of the time of such a mission.
 
+use std::sync::Arc;
+
 use hallsweep_core::command::Move;
 use hallsweep_core::search::Gait;
+use hallsweep_core::search::areas::AreaPlan;
 use hallsweep_core::search::costs::{Costs, STEP};
 use hallsweep_core::search::grid::{Grid, Square};
 use hallsweep_core::search::ways::Ways;
@@ -25,6 +28,7 @@ pub fn cost(moves: Moves, costs: Costs) -> f64 {
 #[derive(Clone, Debug)]
 pub struct Walk {
     terms: Terms,
+    pub areas: Option<Arc<AreaPlan>>,
     pub grid: Grid,
     pub pose: Pose,
     gait: Gait,
@@ -58,6 +62,7 @@ impl Walk {
         let (pose, gait, moves) = (Pose::START, Gait::default(), Moves::default());
         Walk {
             terms,
+            areas: None,
             grid,
             pose,
             gait,
@@ -77,7 +82,13 @@ impl Walk {
 
     #[must_use]
     pub fn view(&self) -> View<'_> {
-        View { grid: &self.grid, pose: self.pose, gait: self.gait, terms: self.terms }
+        View {
+            grid: &self.grid,
+            pose: self.pose,
+            gait: self.gait,
+            terms: self.terms,
+            areas: self.areas.as_deref().map(AreaPlan::focus),
+        }
     }
 
     /// A hash of the known cells and the pose. Two walks through the same hall with the same hash continue in the
@@ -268,8 +279,6 @@ fn mixed(cell: Cell, salt: u64) -> u64 {
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use super::*;
     use crate::family::{Family, hall};
     use hallsweep_core::command::Strategy;

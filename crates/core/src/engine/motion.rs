@@ -1,5 +1,7 @@
 //! Decides what the robot does next. Orders are given one at a time, through one gate (safety S5).
 
+use std::sync::Arc;
+
 use super::Engine;
 use crate::command::Move;
 use crate::effect::{Action, Effect, Stamp};
@@ -8,6 +10,7 @@ use crate::mission::{Input, InputContext};
 use crate::phase::FaultCause;
 use crate::place::Place;
 use crate::robot::{Part, RobotId};
+use crate::search::areas::AreaSource;
 use crate::search::plan::{Through, after};
 use crate::search::{Goal, NextGoal, Search};
 use crate::settings::Settings;
@@ -51,6 +54,7 @@ pub(super) enum Turn {
 impl Engine {
     pub(super) fn pump(&mut self) {
         self.draw_rings();
+        self.draw_areas();
         for _ in 0..TURNS {
             if let Turn::Rest = self.turn() {
                 return;
@@ -337,6 +341,28 @@ impl Engine {
             self.mission.has_news = true;
             self.world.touch(Resource::Mission);
         }
+    }
+
+    /// Makes the search follow the areas as they are now. A cell that was chosen before is given up, unless a person wants
+    /// it searched again.
+    fn draw_areas(&mut self) {
+        if self.know_areas() {
+            self.mission.has_news = true;
+            self.world.touch(Resource::Mission);
+            if matches!(self.state.goal, Some(Goal::Visit(cell)) if !self.state.again.contains(&cell)) {
+                self.set_goal(None, self.state.search.clone());
+            }
+        }
+    }
+
+    /// Returns whether the areas have changed.
+    pub(super) fn know_areas(&mut self) -> bool {
+        let (areas, sensor) = self
+            .state
+            .conditions
+            .as_ref()
+            .map_or_else(Default::default, |conditions| (Arc::clone(&conditions.venue.areas), conditions.venue.sensor));
+        self.planner.set_areas(AreaSource { areas, sensor })
     }
 
     /// Returns the rings round all bombs in the hall. A retrieval ignores the ring of the piece that it fetches.

@@ -86,6 +86,7 @@ impl Past {
             }
         }
         engine.state = state;
+        engine.know_areas();
         engine.recall_team();
         engine.mission.trail = trail.into();
         recall(&mut engine.world.thermometer, &temperatures);

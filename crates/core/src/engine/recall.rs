@@ -161,6 +161,7 @@ impl Engine {
         }
         self.state = state.after_restart();
         self.planner.learn(&self.state.map);
+        self.know_areas();
         self.recall_team();
         let cell = self.state.pose.cell;
         // A robot outside the entrance stands in no cell, so no cell is marked. A parcel may now lie at home.

@@ -40,7 +40,7 @@ pub(crate) fn best_entry(
     let mut limit = u32::MAX;
     let all = ways.spread(grid, costs, pose, |at| {
         let target = onward(at.spot, grid.step(at.heading));
-        if grid.here(target).is_open() {
+        if grid.here(target).is_open() && view.wants(target) {
             let score = in_thousandths(at.cost).saturating_add(worth(&CellEntry { at, target }));
             if best.is_none_or(|(so_far, ..)| score < so_far) {
                 best = Some((score, target, (at.spot, at.heading)));
@@ -64,7 +64,7 @@ pub(crate) fn nearest(view: &View<'_>, ways: &mut Ways, wanted: impl Fn(Cell) ->
     let mut found = None;
     let all = ways.spread(grid, costs, pose, |at| {
         let target = onward(at.spot, grid.step(at.heading));
-        if found.is_none() && grid.here(target).is_open() && wanted(grid.cell(target)) {
+        if found.is_none() && grid.here(target).is_open() && view.wants(target) && wanted(grid.cell(target)) {
             found = Some((target, (at.spot, at.heading)));
         }
         if found.is_some() { 0 } else { u32::MAX }
@@ -82,7 +82,7 @@ fn far(view: &View<'_>, ways: &mut Ways, wanted: impl Fn(Cell) -> bool) -> Optio
     let opens = |spot: Spot| {
         let is_wanted = |heading: &Heading| {
             let target = onward(spot, grid.step(*heading));
-            grid.here(target).is_open() && wanted(grid.cell(target))
+            grid.here(target).is_open() && view.wants(target) && wanted(grid.cell(target))
         };
         Heading::ALL.into_iter().find(is_wanted)
     };

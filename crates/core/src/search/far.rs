@@ -29,33 +29,34 @@ impl Steps {
         grid: &Grid,
         start: Pose,
         passable: impl Fn(Spot) -> bool,
-        wanted: impl FnMut(Spot) -> bool,
+        mut wanted: impl FnMut(Spot) -> bool,
     ) -> Option<(Pose, Vec<Move>)> {
-        let end = self.flood(grid, grid.spot(start.cell), passable, wanted)?;
+        let end = self.flood(grid, grid.spot(start.cell), passable, |spot, _| wanted(spot))?;
         Some(self.trace(grid, start, end))
     }
 
     /// Visits the cells in waves: all cells at distance 1, then 2, … The first wanted cell that is reached is
-    /// therefore one of the nearest.
-    fn flood(
+    /// therefore one of the nearest. `wanted` also gets the distance.
+    pub(super) fn flood(
         &mut self,
         grid: &Grid,
         from: Spot,
         passable: impl Fn(Spot) -> bool,
-        mut wanted: impl FnMut(Spot) -> bool,
+        mut wanted: impl FnMut(Spot, u32) -> bool,
     ) -> Option<Spot> {
         self.marks.clear();
         self.marks.resize(grid.size(), UNTOUCHED);
-        let mut mark = FIRST;
+        let (mut mark, mut distance) = (FIRST, 0);
         self.marks[from] = mark;
         self.wave.clear();
         self.wave.push(from);
         let around = Heading::ALL.map(|heading| grid.step(heading));
         while !self.wave.is_empty() {
-            if let Some(end) = self.wave.iter().copied().find(|spot| wanted(*spot)) {
+            if let Some(end) = self.wave.iter().copied().find(|spot| wanted(*spot, distance)) {
                 return Some(end);
             }
             mark = if mark == LAST { FIRST } else { mark + 1 };
+            distance += 1;
             self.next.clear();
             for spot in &self.wave {
                 for step in around {
@@ -77,7 +78,7 @@ impl Steps {
     }
 
     /// Traces the way back from its end. It goes straight on where this needs no more steps.
-    fn trace(&self, grid: &Grid, start: Pose, end: Spot) -> (Pose, Vec<Move>) {
+    pub(super) fn trace(&self, grid: &Grid, start: Pose, end: Spot) -> (Pose, Vec<Move>) {
         let (from, mut spot) = (grid.spot(start.cell), end);
         let mut headings: Vec<Heading> = Vec::new();
         while spot != from {

@@ -4,7 +4,7 @@
 
 use super::grid::{Grid, Square};
 use crate::command::Strategy;
-use crate::units::Cell;
+use crate::units::{Bounds, Cell};
 
 /// A range of the remaining effort, in the unit of `a_cell` (the effort per cell).
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,11 +31,14 @@ const OPEN: f64 = 0.65;
 const CLOSED: [(f64, f64, f64); 5] =
     [(0.25, 0.65, 1.6), (0.5, 0.7, 1.75), (0.75, 0.6, 2.2), (0.9, 0.5, 2.5), (f64::INFINITY, 0.55, 5.0)];
 
-struct Extent {
+pub(super) struct Extent {
+    /// The known area without those of its first and last lines that have a wall.
+    pub(super) inside: Bounds,
     /// Number of cells inside the walls.
     cells: u32,
     known: u32,
-    is_closed: bool,
+    /// Whether the ends of the hall are known on all sides.
+    pub(super) is_closed: bool,
 }
 
 /// Returns the remaining effort of a robot at `from`. `a_cell` is the effort per cell. Returns `None` if the robot
@@ -80,7 +83,7 @@ impl Span {
 }
 
 impl Extent {
-    fn of(grid: &Grid) -> Extent {
+    pub(super) fn of(grid: &Grid) -> Extent {
         let known = grid.known();
         let row = |y: i32| (known.least.x..=known.most.x).map(move |x| Cell::new(x, y));
         let column = |x: i32| (known.least.y + 1..known.most.y).map(move |y| Cell::new(x, y));
@@ -88,8 +91,12 @@ impl Extent {
         let height = Span::of(grid, row(known.least.y), row(known.most.y), known.height());
         let cells = width.inside * height.inside;
         let inner_walls = grid.obstacles().saturating_sub(width.walls.into_iter().chain(height.walls).sum());
+        let [west, east] = width.walls.map(|walls| i32::from(walls > 0));
+        let [north, south] = height.walls.map(|walls| i32::from(walls > 0));
+        let least = Cell::new(known.least.x + west, known.least.y + north);
+        let inside = Bounds { least, most: Cell::new(known.most.x - east, known.most.y - south) };
         let known = (grid.census().looked_at() + inner_walls).min(cells);
-        Extent { cells, known, is_closed: width.ends(height.inside) && height.ends(width.inside) }
+        Extent { inside, cells, known, is_closed: width.ends(height.inside) && height.ends(width.inside) }
     }
 }
 

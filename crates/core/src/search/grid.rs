@@ -116,9 +116,7 @@ impl Grid {
         if self.at(cell) == square || !is_in_reach(cell) {
             return;
         }
-        if !self.room.grown(-RIM).contains(cell) {
-            self.make_room(cell);
-        }
+        self.make_room(cell);
         let spot = self.spot(cell);
         let before = self.counts_round(spot);
         self.squares[spot] = square;
@@ -185,13 +183,21 @@ impl Grid {
         self.room.contains(cell)
     }
 
+    /// Whether there is memory for a cell and its neighbours.
+    pub(super) fn has_room_round(&self, cell: Cell) -> bool {
+        self.room.grown(-1).contains(cell)
+    }
+
     #[must_use]
     pub fn at(&self, cell: Cell) -> Square {
         if self.has_room_for(cell) { self.squares[self.spot(cell)] } else { Square::Unknown }
     }
 
     /// Doubles the memory on every side whose edge is too near to the cell.
-    fn make_room(&mut self, cell: Cell) {
+    pub(crate) fn make_room(&mut self, cell: Cell) {
+        if self.room.grown(-RIM).contains(cell) {
+            return;
+        }
         let (room, more) = (self.room, self.room.width().max(self.room.height()));
         let mut wider = room.grown(-RIM - 1).including(cell);
         if wider.least.x < room.least.x + RIM {

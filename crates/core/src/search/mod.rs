@@ -8,12 +8,14 @@
 //!                                        └─ weighs entries (entries) by their outlook (outlook)
 //! ```
 
+pub mod areas;
 mod auto;
 pub mod census;
 mod columns;
 pub mod costs;
 mod entries;
 mod far;
+mod focus;
 pub mod forecast;
 mod frontier;
 pub mod grid;
@@ -89,13 +91,20 @@ impl Search {
     /// Returns the next goal. It is called when the last goal is reached, has turned out to be an obstacle, or cannot
     /// be reached.
     pub fn next(&mut self, view: &View<'_>, ways: &mut Ways) -> NextGoal {
+        if let Search::Snail(snail) = self {
+            return snail.next(view, ways);
+        }
+        let focused = match view.focused(ways) {
+            Ok(focused) => focused,
+            Err(Visit { cell, route }) => return NextGoal::Visit(cell, route),
+        };
         let visit = match self {
-            Search::Snail(snail) => return snail.next(view, ways),
-            Search::Of(Strategy::Auto | Strategy::Snail) => auto::next(view, ways),
-            Search::Of(Strategy::Scored) => scored::next(view, ways),
-            Search::Of(Strategy::Frontier) => frontier::next(view, ways),
-            Search::Of(Strategy::Columns) => columns::next(view, ways),
-            Search::Of(Strategy::Spiral) => spiral::next(view, ways),
+            Search::Snail(_) => None,
+            Search::Of(Strategy::Auto | Strategy::Snail) => auto::next(&focused, ways),
+            Search::Of(Strategy::Scored) => scored::next(&focused, ways),
+            Search::Of(Strategy::Frontier) => frontier::next(&focused, ways),
+            Search::Of(Strategy::Columns) => columns::next(&focused, ways),
+            Search::Of(Strategy::Spiral) => spiral::next(&focused, ways),
         };
         guarded(visit, view, ways)
     }
@@ -126,7 +135,7 @@ mod tests {
             map.mark(*wall, Mark::Wall, Revision(1));
         }
         let terms = Terms { objective: Objective::Find, sonar_cells: 0, costs: Costs::EVEN };
-        let view = View { grid: &Grid::of(&map), pose: Pose::START, gait: Gait::default(), terms };
+        let view = View { grid: &Grid::of(&map), pose: Pose::START, gait: Gait::default(), terms, areas: None };
         guarded(proposed, &view, &mut Ways::default())
     }
 

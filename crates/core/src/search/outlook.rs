@@ -68,7 +68,7 @@ struct Sight<'a> {
 
 impl<'a> Looking<'a> {
     pub(crate) fn of(view: &View<'a>) -> Looking<'a> {
-        let View { grid, pose, gait, terms } = *view;
+        let View { grid, pose, gait, terms, .. } = *view;
         let seen = match terms.objective {
             Objective::Cover => UNKNOWN,
             Objective::Find => VISITED,

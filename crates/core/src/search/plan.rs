@@ -5,6 +5,7 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
 use super::Search;
+use super::areas::{AreaPlan, AreaSource};
 use super::costs::{Costs, STEP};
 use super::far::{Steps, turn};
 use super::grid::{Grid, Spot, Square};
@@ -14,6 +15,9 @@ use crate::command::Move;
 use crate::units::{Cell, Heading, Pose};
 use crate::world::hall_map::{Bounds, HallMap, Mark};
 use crate::world::keep_out::KeepOut;
+
+/// Maximum size of the rectangle round all areas for which a grid makes room at once, in cells.
+const MOST_ROOM: i64 = 1 << 22;
 
 /// Which cells a way may lead through. The goal itself may also be unknown, or an obstacle that is not inspected yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,16 +34,48 @@ pub(crate) struct Planner {
     pub(crate) costs: Costs,
     /// The rings that no way enters. `set_keep_out` changes them.
     pub(crate) keep_out: KeepOut,
+    /// `None` if the hall has no areas. `set_areas` changes it.
+    pub(crate) areas: Option<AreaPlan>,
+    areas_from: AreaSource,
 }
 
 impl Planner {
     pub(crate) fn of(map: &HallMap) -> Planner {
-        Planner { grid: Grid::of(map), ways: Ways::default(), costs: Costs::EVEN, keep_out: KeepOut::default() }
+        Planner {
+            grid: Grid::of(map),
+            ways: Ways::default(),
+            costs: Costs::EVEN,
+            keep_out: KeepOut::default(),
+            areas: None,
+            areas_from: AreaSource::default(),
+        }
     }
 
     pub(crate) fn learn(&mut self, map: &HallMap) {
         self.grid = Grid::of(map);
+        self.make_room_for_areas();
         self.shut_rings();
+    }
+
+    /// Returns whether the areas have changed.
+    pub(crate) fn set_areas(&mut self, from: AreaSource) -> bool {
+        let is_new = self.areas_from != from;
+        if is_new {
+            self.areas = AreaPlan::new(&from.areas, &[], |_| false, from.sensor);
+            self.areas_from = from;
+            self.make_room_for_areas();
+        }
+        is_new
+    }
+
+    /// Makes room for the areas, so that a way towards an area can be found before the robot is near.
+    fn make_room_for_areas(&mut self) {
+        let bounds = self.areas.as_ref().map(|areas| areas.bounds);
+        let fits = |bounds: &Bounds| i64::from(bounds.width()) * i64::from(bounds.height()) <= MOST_ROOM;
+        if let Some(Bounds { least, most }) = bounds.filter(fits) {
+            self.grid.make_room(least);
+            self.grid.make_room(most);
+        }
     }
 
     pub(crate) fn set_keep_out(&mut self, keep_out: KeepOut, map: &HallMap) {
@@ -63,12 +99,12 @@ impl Planner {
     }
 
     pub(crate) fn ask(&mut self, search: &mut Search, pose: Pose, gait: Gait, objective: Objective, sonar_cells: u8) -> NextGoal {
-        let Planner { grid, ways, costs, .. } = self;
+        let Planner { grid, ways, costs, areas, .. } = self;
         if !grid.has_room_for(pose.cell) {
             return NextGoal::GoHome;
         }
         let terms = Terms { objective, sonar_cells, costs: *costs };
-        search.next(&View { grid, pose, gait, terms }, ways)
+        search.next(&View { grid, pose, gait, terms, areas: areas.as_ref().map(AreaPlan::focus) }, ways)
     }
 
     /// Whether a way over visited cells leads to the goal.

@@ -6,6 +6,8 @@
 //! incomplete. Here the square stops growing only when nothing unknown outside it can be reached south-east of home.
 //! If (k,k) is beyond a far wall, the goal is moved to the last column or row in front of it, as in the original. The
 //! search is over when nothing unknown can be reached anywhere.
+//!
+//! Closed areas are left out. The order and the probabilities of areas are not used.
 
 use super::entries::{Visit, nearest};
 use super::grid::{Square, onward};
@@ -60,7 +62,10 @@ impl Snail {
             match self.stage {
                 SnailStage::Corner => {
                     self.stage = SnailStage::Fill;
-                    return NextGoal::Visit(self.corner(view, ways), Vec::new());
+                    let corner = self.corner(view, ways);
+                    if view.wants(view.grid.spot(corner)) {
+                        return NextGoal::Visit(corner, Vec::new());
+                    }
                 }
                 SnailStage::Fill => {
                     let square = Bounds { least: Cell::HOME, most: Cell::new(self.ring, self.ring) };
@@ -130,7 +135,7 @@ mod tests {
         }
         let (mut snail, mut ways, grid) = (Snail::default(), Ways::default(), Grid::of(&map));
         let terms = Terms { objective: Objective::Find, sonar_cells: 0, costs: Costs::EVEN };
-        let view = View { grid: &grid, pose: Pose::START, gait: Gait::default(), terms };
+        let view = View { grid: &grid, pose: Pose::START, gait: Gait::default(), terms, areas: None };
         let finished = (0..100).any(|_| snail.next(&view, &mut ways) == NextGoal::Finished);
         assert!(finished);
     }

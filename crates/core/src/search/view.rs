@@ -1,8 +1,9 @@
 //! What a strategy reads, and what it can return. A strategy sees only the grid, never the map that the interfaces
 //! show.
 
+use super::areas::Focus;
 use super::costs::Costs;
-use super::grid::Grid;
+use super::grid::{Grid, Spot};
 use crate::command::Move;
 use crate::units::{Cell, Pose};
 
@@ -63,6 +64,15 @@ pub struct View<'a> {
     pub pose: Pose,
     pub gait: Gait,
     pub terms: Terms,
+    /// `None` if the hall has no areas.
+    pub areas: Option<Focus<'a>>,
+}
+
+impl View<'_> {
+    /// Whether a strategy may choose this cell.
+    pub(super) fn wants(&self, spot: Spot) -> bool {
+        self.areas.is_none_or(|Focus { plan, wanted }| wanted >> plan.region(self.grid.cell(spot)) & 1 == 1)
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
