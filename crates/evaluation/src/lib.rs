@@ -8,6 +8,7 @@
 //!                                └─► tune: cross-entropy ─► counterfactuals ─► weights
 //! ```
 
+pub mod areas;
 pub mod calibrate;
 pub mod compare;
 pub mod drawing;

@@ -42,6 +42,8 @@ pub struct Walk {
     /// Sum over all known cells and pieces: the number of moves before the content became known. If the cell had
     /// contained a piece, the piece would have been found at that moment.
     pub known_after: u64,
+    /// Each cell and piece, with the cost in steps after which it became known. `None` if the caller does not need them.
+    pub known_at: Option<Vec<(Cell, f64)>>,
     /// All cells in which the robot stood, in order. `None` if the caller does not need them.
     pub trail: Option<Vec<Cell>>,
     /// Whether the search decides again as soon as anything new is seen.
@@ -72,6 +74,7 @@ impl Walk {
             found_after: 0,
             known: 1,
             known_after: 0,
+            known_at: None,
             trail: None,
             heeds_news: true,
             has_met: false,
@@ -217,6 +220,8 @@ impl Walk {
         if square != Square::Obstacle && self.grid.at(cell) == Square::Unknown {
             self.known += 1;
             self.known_after += self.moves.total();
+            let cost = self.cost();
+            self.known_at.iter_mut().for_each(|known| known.push((cell, cost)));
         }
         self.grid.set(cell, square);
         self.print ^= mixed(cell, square as u64);

@@ -210,3 +210,16 @@ fn tune_writes_weights_that_are_the_same_again_and_says_at_once_where_it_cannot(
     assert_eq!(tune("four", &["--goal", "win"]).status.code(), Some(2));
     assert_eq!(tune("four", &["--halls", "0"]).status.code(), Some(2));
 }
+
+#[test]
+fn the_gain_by_areas_is_printed_with_its_halls_and_both_seeds() {
+    let table = evaluate(&["--areas", "--seed", "7"]);
+    for expect in
+        ["luggage-10:50x50", "islands:50x50", "means of 4 halls each", "halls have seed 7", "tuned with halls of seed 1"]
+    {
+        assert!(table.contains(expect), "{expect}: {table}");
+    }
+    assert!(table.lines().any(|line| line.contains("equal") && line.contains("1.000 ± 0.000")), "{table}");
+    let refused = run(&["evaluate", "--areas", "--halls", "airport"]);
+    assert_eq!(refused.status.code(), Some(2));
+}

@@ -15,6 +15,7 @@ use hallsweep_core::command::Strategy;
 use hallsweep_core::search::costs::Costs;
 use hallsweep_core::search::ways::Ways;
 use hallsweep_core::search::{Objective, Terms};
+use hallsweep_evaluation::areas::{ROWS, gain};
 use hallsweep_evaluation::calibrate::Passes;
 use hallsweep_evaluation::compare::{Contest, Entrant, Halls, Kind, KindError, Measure, Timings, Trial, rows, tour};
 use hallsweep_evaluation::family::Family;
@@ -66,8 +67,11 @@ pub(crate) struct Evaluate {
     time_left: bool,
     /// Instead of comparing, calibrate the simulated camera that can miss luggage: print its sweep widths from 1000
     /// searches, and how well they predict 1000 others.
-    #[arg(long, conflicts_with_all = ["halls", "strategies", "weights", "time_left", "count", "json", "csv", "plot"])]
+    #[arg(long, conflicts_with_all = ["halls", "strategies", "weights", "time_left", "areas", "count", "json", "csv", "plot"])]
     calibrate: bool,
+    /// Instead of comparing, measure how much sooner the bomb is found in halls whose areas have known probabilities.
+    #[arg(long, conflicts_with_all = ["halls", "strategies", "weights", "json", "csv", "plot", "time_left"])]
+    areas: bool,
     /// Print one JSON object instead of the tables.
     #[arg(long)]
     json: bool,
@@ -106,6 +110,9 @@ pub(crate) fn run(flags: &Evaluate) -> Result<(), Failure> {
     }
     if flags.calibrate {
         return super::print(&calibrate(flags));
+    }
+    if flags.areas {
+        return super::print(&areas(flags));
     }
     let entrants = flags.entrants()?;
     let against = flags.against.map(|other| {
@@ -164,6 +171,19 @@ fn calibrate(flags: &Evaluate) -> String {
     let origin = format!("Sweep widths of the simulated camera, from {SEARCHES} searches with seed {tuned}.");
     let widths = Passes::of(SEARCHES, tuned).widths(&origin);
     report::calibration(&widths, SEARCHES, judged, &Passes::of(SEARCHES, judged).bins())
+}
+
+fn areas(flags: &Evaluate) -> String {
+    let bar = progress_bar(ROWS.len() as u64);
+    let gains = ROWS.map(|row @ (kind, sonar_cells, is_flat)| {
+        bar.set_message(kind);
+        let kind = kind.parse().expect("a test measures all rows");
+        let gain = gain(kind, sonar_cells, is_flat, flags.count as usize, flags.seed);
+        bar.inc(1);
+        (row, gain.expect("there is at least one hall"))
+    });
+    bar.finish_and_clear();
+    report::areas(&gains, flags.seed)
 }
 
 #[expect(clippy::disallowed_methods, reason = "how long a decision takes is one of the figures")]
