@@ -41,13 +41,13 @@ pub(super) fn fields(decoder: &mut Decoder<'_>) -> Result<BodyFields, Unread> {
     let mut left = decoder.map().map_err(no_cbor)?;
     while more(decoder, &mut left)? {
         let name = name(decoder)?;
-        let value = scalar(decoder, &name)?;
+        let value = value(decoder, &name)?;
         fields.put(name, value).map_err(Unread::Unusable)?;
     }
     Ok(fields)
 }
 
-/// Whether another field follows. At the end of a map of indefinite length, this also skips the break byte (RFC 8949,
+/// Whether another field or value follows. At the end of a map or list of indefinite length, this also skips the break byte (RFC 8949,
 /// section 3.2.2).
 fn more(decoder: &mut Decoder<'_>, left: &mut Option<u64>) -> Result<bool, Unread> {
     if let Some(left) = left {
@@ -68,6 +68,19 @@ fn name(decoder: &mut Decoder<'_>) -> Result<String, Unread> {
         return text(decoder);
     }
     Err(unusable(format!("the name of a field is {}: names are texts, as in JSON", in_words(kind))))
+}
+
+/// Reads the value of a field. A list has no lists in it.
+fn value(decoder: &mut Decoder<'_>, name: &str) -> Result<Value, Unread> {
+    if !matches!(decoder.datatype().map_err(no_cbor)?, Type::Array | Type::ArrayIndef) {
+        return scalar(decoder, name);
+    }
+    let mut left = decoder.array().map_err(no_cbor)?;
+    let mut values = Vec::new();
+    while more(decoder, &mut left)? {
+        values.push(scalar(decoder, name)?);
+    }
+    Ok(Value::Array(values))
 }
 
 #[expect(clippy::wildcard_enum_match_arm, reason = "whatever is no text, number, truth value or null is refused alike")]
@@ -142,7 +155,7 @@ mod tests {
     use serde_json::json;
 
     use super::*;
-    use crate::api::command::{EpochBody, GotoBody, MoveBody, TemperatureBody, VerdictBody};
+    use crate::api::command::{EpochBody, GotoBody, MoveBody, OrderAreasBody, TemperatureBody, VerdictBody};
     use crate::api::state::StateJson;
     use crate::api::tests::fixture::{degrees, searching};
     use hallsweep_core::command::{Command, TemperatureReport};
@@ -196,7 +209,7 @@ mod tests {
 
     #[test]
     fn what_is_no_flat_map_is_refused_in_words() {
-        let cases: [(&[u8], &str); 15] = [
+        let cases: [(&[u8], &str); 18] = [
             (b"", "the body is not CBOR"),
             (b"\xa1", "the body is not CBOR"),
             (b"\xa1\x67verdict", "the body is not CBOR"),
@@ -206,7 +219,10 @@ mod tests {
             (b"\x81\x64safe", "the body is a list: send a CBOR map"),
             (b"\x64safe", "the body is a text"),
             (b"\xa1\x01\x64safe", "the name of a field is a number"),
-            (b"\xa1\x67verdict\x81\x64safe", "`verdict` is a list: send a text or a number"),
+            (b"\xa1\x67verdict\x81\x64safe", "`verdict` is [\"safe\"]: send a text in quotes"),
+            (b"\xa1\x67verdict\x81\x81\x64safe", "`verdict` is a list: send a text or a number"),
+            (b"\xa1\x67verdict\x9f\x64safe", "the body is not CBOR"),
+            (b"\xa1\x67verdict\x9b\xff\xff\xff\xff\xff\xff\xff\xff", "the body is not CBOR"),
             (b"\xa1\x67verdict\xa0", "`verdict` is a map"),
             (b"\xa1\x67verdict\x44safe", "`verdict` is a string of bytes"),
             (b"\xa1\x67verdict\xc0\x64safe", "`verdict` is a tagged item"),
@@ -216,6 +232,10 @@ mod tests {
         for (bytes, words) in cases {
             let said = refused::<VerdictBody>(bytes);
             assert!(said.contains(words), "{bytes:02x?}: {said}");
+        }
+        for bytes in [&b"\xa1\x65areas\x82\x61a\x61b"[..], b"\xa1\x65areas\x9f\x61a\x61b\xff"] {
+            let order = body::<OrderAreasBody>(bytes).unwrap().command().unwrap();
+            assert_eq!(order, Command::OrderAreas(["a".into(), "b".into()].into()));
         }
         assert!(refused::<TemperatureBody>(b"\xa1\x67celsius\xf9\x7e\x00").contains("`celsius` is NaN"));
         assert!(refused::<TemperatureBody>(b"\xa1\x67celsius\xf9\xfc\x00").contains("`celsius` is -inf"));

@@ -1,6 +1,8 @@
 //! The bodies of commands in JSON, and their conversion to the core's commands. Every field is checked here, and no
 //! value is guessed.
 
+mod areas;
+
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -18,6 +20,7 @@ use hallsweep_core::units::{Cell, Celsius, Epoch, LuggageId, MissionId};
 use hallsweep_core::words::is_visible;
 use hallsweep_core::world::hall_map::{Bounds, REACH};
 
+pub use self::areas::{OrderAreasBody, order_areas};
 pub use super::fields::Unusable;
 
 /// Body of a command without arguments. The body may be absent.

@@ -3,7 +3,8 @@
 //! effect in the core. The fields of each command are in `command`; each door reads payloads in its own way.
 
 use super::command::{
-    AreaBody, CloseBody, EpochBody, GotoBody, HandOverBody, MoveBody, RetrieveBody, StrategyBody, TemperatureBody, VerdictBody,
+    AreaBody, CloseBody, EpochBody, GotoBody, HandOverBody, MoveBody, OrderAreasBody, RetrieveBody, StrategyBody,
+    TemperatureBody, VerdictBody,
 };
 use super::fields::{Body, Unusable};
 use crate::access::Need;
@@ -21,6 +22,7 @@ pub enum CommandKind {
     Close,
     HandOver,
     SearchAgain,
+    OrderAreas,
     Move,
     Goto,
     Verdict,
@@ -51,6 +53,7 @@ pub enum Takes {
     Close,
     HandOver,
     Area,
+    OrderAreas,
     Move,
     Goto,
     Verdict,
@@ -89,7 +92,7 @@ const EPOCH: &[&str] = &[r#"{"epoch":4}"#];
 
 /// The doors and `docs/` list the commands in this order.
 #[rustfmt::skip]
-pub const COMMANDS: [CommandRow; 16] = [
+pub const COMMANDS: [CommandRow; 17] = [
     word("start", "/commands/start", "begin or resume the mission", CommandKind::Start, EPOCH),
     CommandRow { need: Need::Stop, takes: Takes::Nothing, ..word("stop", "/commands/stop", "halt the robot", CommandKind::Stop, &[]) },
     word("backHome", "/commands/backHome", "go home and wait", CommandKind::BackHome, EPOCH),
@@ -103,6 +106,8 @@ pub const COMMANDS: [CommandRow; 16] = [
         &[r#"{"to":"Inspector Bianchi","mission":7}"#, r#"{"to":"court","note":"with the photos"}"#]) },
     CommandRow { takes: Takes::Area, ..word("searchAgain", "/commands/searchAgain", "search an area again", CommandKind::SearchAgain,
         &[r#"{"x":1,"y":1,"toX":4,"toY":3}"#]) },
+    CommandRow { takes: Takes::OrderAreas, ..word("orderAreas", "/commands/orderAreas", "choose which areas come first", CommandKind::OrderAreas,
+        &[r#"{"areas":["gate 1","gate 2"]}"#, r#"{"areas":[]}"#]) },
     CommandRow { need: Need::Stop, takes: Takes::Move, ..word("move", "/commands/move", "move once by hand", CommandKind::Move,
         &[r#"{"move":"w"}"#, r#"{"move":"h"}"#]) },
     CommandRow { takes: Takes::Goto, ..word("goto", "/commands/goto", "drive to a cell", CommandKind::Goto, &[r#"{"x":1,"y":1}"#]) },
@@ -157,6 +162,7 @@ pub fn asked<P: Payload>(kind: CommandKind, number: u64, payload: &P) -> Result<
         CommandKind::Close => Ok((payload.needed::<CloseBody>()?.command()?, None)),
         CommandKind::HandOver => Ok((payload.needed::<HandOverBody>()?.command()?, None)),
         CommandKind::SearchAgain => Ok(payload.needed::<AreaBody>()?.command()?),
+        CommandKind::OrderAreas => Ok((payload.needed::<OrderAreasBody>()?.command()?, None)),
         CommandKind::Move => Ok(payload.needed::<MoveBody>()?.command()?),
         CommandKind::Goto => Ok(payload.needed::<GotoBody>()?.command()?),
         CommandKind::Verdict => Ok((payload.needed::<VerdictBody>()?.command(luggage)?, None)),

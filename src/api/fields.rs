@@ -62,6 +62,11 @@ impl BodyFields {
         self.field(name, "a text in quotes", |value| value.as_str().map(str::to_owned))
     }
 
+    pub fn texts(&self, name: &str) -> Result<Option<Vec<String>>, Unusable> {
+        let texts = |value: &Value| value.as_array()?.iter().map(|text| text.as_str().map(str::to_owned)).collect();
+        self.field(name, "a list of texts in quotes", texts)
+    }
+
     pub fn whole(&self, name: &str) -> Result<Option<i64>, Unusable> {
         self.field(name, "a whole number, such as 3", integer)
     }

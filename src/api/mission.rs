@@ -11,7 +11,7 @@ use hallsweep_core::closing::Closed;
 use hallsweep_core::command::Strategy;
 use hallsweep_core::phase::FaultCause;
 use hallsweep_core::refused::Refused;
-use hallsweep_core::snapshot::{MissionView, Progress, Refusals, TimeLeft};
+use hallsweep_core::snapshot::{AreaView, MissionView, Progress, Refusals, TimeLeft};
 use hallsweep_core::units::Revision;
 use hallsweep_core::world::keep_out::{KeepOut, Ring};
 
@@ -59,8 +59,31 @@ pub struct MissionJson {
     /// Statement with which the mission was closed; absent if it is not closed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub closed: Option<ClosedJson>,
+    /// Named areas of the hall, in the order of the hall file; absent if there are none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub areas: Vec<AreaJson>,
     /// For each button, the sentence that says why the button would be refused now, or null.
     pub refusals: RefusalsJson,
+}
+
+/// Named area of the hall.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+#[schemars(rename = "Area")]
+pub struct AreaJson {
+    pub name: String,
+    /// Probability that the bomb is in this area, from 0 to 1.
+    pub probability: f64,
+    /// Two opposite corners of a rectangle, or the corners of a polygon in order. Corners are cells of the area.
+    pub corners: Vec<PositionJson>,
+    /// Place in the order that a person has given, from 1; null if the area comes after those with a place.
+    pub order: Option<usize>,
+}
+
+impl From<&AreaView> for AreaJson {
+    fn from(AreaView { area, order }: &AreaView) -> AreaJson {
+        let corners = area.corners.iter().copied().map(PositionJson::from).collect();
+        AreaJson { name: area.name.to_string(), probability: area.probability, corners, order: *order }
+    }
 }
 
 /// Statement of the person in charge that the search is over.
@@ -182,6 +205,7 @@ impl MissionJson {
             exercise: mission.is_exercise,
             closed: mission.closed.as_deref().map(ClosedJson::from),
             keep_out: rings(&mission.keep_out),
+            areas: mission.areas.iter().map(AreaJson::from).collect(),
             refusals: (&mission.refusals).into(),
         }
     }

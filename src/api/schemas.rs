@@ -7,7 +7,8 @@ use serde_json::{Map, Value};
 
 use super::alarm::AlarmJson;
 use super::command::{
-    AreaBody, CloseBody, EpochBody, GotoBody, HandOverBody, MoveBody, RetrieveBody, StrategyBody, TemperatureBody, VerdictBody,
+    AreaBody, CloseBody, EpochBody, GotoBody, HandOverBody, MoveBody, OrderAreasBody, RetrieveBody, StrategyBody,
+    TemperatureBody, VerdictBody,
 };
 use super::commands::Takes;
 use super::coverage::CoverageJson;
@@ -75,6 +76,7 @@ impl Schemas {
             Takes::Close => self.taken::<CloseBody>(),
             Takes::HandOver => self.taken::<HandOverBody>(),
             Takes::Area => self.taken::<AreaBody>(),
+            Takes::OrderAreas => self.taken::<OrderAreasBody>(),
             Takes::Move => self.taken::<MoveBody>(),
             Takes::Goto => self.taken::<GotoBody>(),
             Takes::Verdict => self.taken::<VerdictBody>(),
@@ -150,6 +152,7 @@ mod tests {
         check::<GotoBody>();
         check::<AreaBody>();
         check::<HandOverBody>();
+        check::<OrderAreasBody>();
         check::<VerdictBody>();
         check::<StrategyBody>();
         check::<TemperatureBody>();

@@ -121,6 +121,7 @@ pub(crate) fn refusals() -> Vec<Refused> {
         Refused::ExerciseOver,
         Refused::NothingSearched,
         Refused::AreaTooLarge(4096),
+        Refused::UnknownArea(Arc::from("gate 3")),
         Refused::NoPhoto(piece),
         Refused::HotUnanswered(piece),
         Refused::NotInspected(piece),

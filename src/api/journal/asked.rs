@@ -83,6 +83,7 @@ fn of_command(command: &Command) -> Coded {
             Coded::new(code, json!({ "mission": mission, "to": to.text(), "note": note.as_ref().map(Note::text) }))
         }
         Carries::Area(area) => Coded::new(code, json!({ "area": AreaShape::from(area) })),
+        Carries::Areas(names) => Coded::new(code, json!({ "areas": names.iter().map(|name| &**name).collect::<Vec<_>>() })),
         Carries::Unsure(luggage, note, hot) => Coded::new(code, answer(luggage, note, hot)),
         Carries::Strategy(strategy) => Coded::new(code, json!({ "strategy": strategy.name() })),
         Carries::Temperature(TemperatureReport::Ok) => Coded::bare("temperatureOk"),
@@ -147,6 +148,7 @@ fn command(coded: &Coded) -> Result<Command, Unparsed> {
             Command::HandOver(HandOver { mission, to, note })
         }
         "searchAgain" => Command::SearchAgain(coded.field::<AreaShape>("area")?.into()),
+        "orderAreas" => Command::OrderAreas(names::areas(coded.field("areas")?)?),
         "retake" => Command::RetakePhoto(LuggageId(coded.field("luggage")?)),
         "acknowledge" => Command::Acknowledge(AlarmId(coded.field("alarm")?)),
         "strategy" => Command::ChooseStrategy(names::strategy(&coded.field::<String>("strategy")?)?),

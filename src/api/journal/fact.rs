@@ -153,6 +153,10 @@ pub(super) enum Shape {
     },
     /// The searched cells of this area are to be searched again.
     SearchAgain(AreaShape),
+    /// The names of the areas that are searched first.
+    AreasOrdered {
+        areas: Vec<String>,
+    },
     Temperature {
         source: String,
         celsius: f64,
@@ -224,6 +228,7 @@ pub const fn kind(fact: &Fact) -> &'static str {
         Fact::Closed(_) => "closed",
         Fact::HandedOver { .. } => "handedOver",
         Fact::SearchAgain(_) => "searchAgain",
+        Fact::AreasOrdered(_) => "areasOrdered",
         Fact::Temperature(..) => "temperature",
         Fact::ThermometerSilent(_) => "thermometerSilent",
         Fact::AlarmRaised(..) => "alarmRaised",
@@ -302,6 +307,7 @@ impl Shape {
                 note: note.as_ref().map(|note| note.text().to_owned()),
             },
             Fact::SearchAgain(area) => Shape::SearchAgain((*area).into()),
+            Fact::AreasOrdered(order) => Shape::AreasOrdered { areas: order.iter().map(ToString::to_string).collect() },
             Fact::Temperature(source, celsius) => Shape::Temperature { source: source.to_string(), celsius: celsius.degrees() },
             Fact::ThermometerSilent(source) => Shape::ThermometerSilent { source: source.to_string() },
             Fact::AlarmRaised(alarm, luggage, cause) => {
@@ -371,6 +377,7 @@ impl Shape {
                 Fact::HandedOver { who: who.into(), to: names::name(to)?, note: names::note(note)? }
             }
             Shape::SearchAgain(area) => Fact::SearchAgain(area.into()),
+            Shape::AreasOrdered { areas } => Fact::AreasOrdered(names::areas(areas)?),
             Shape::Temperature { source, celsius } => Fact::Temperature(source.into(), names::celsius(celsius)?),
             Shape::ThermometerSilent { source } => Fact::ThermometerSilent(source.into()),
             Shape::AlarmRaised { alarm, luggage, text } => {

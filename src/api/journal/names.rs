@@ -16,6 +16,7 @@ use hallsweep_core::phase::PhaseName;
 use hallsweep_core::robot::RobotId;
 use hallsweep_core::search::Search;
 use hallsweep_core::units::{Celsius, Epoch, Heading};
+use hallsweep_core::world::areas::Area;
 
 const TAKEN_FOR: [&str; 3] = ["wall", "luggage", "unknown"];
 
@@ -58,6 +59,20 @@ pub(super) fn note(text: Option<String>) -> Result<Option<Note>, Unparsed> {
 /// Reads the name of a person or office.
 pub(super) fn name(text: String) -> Result<Note, Unparsed> {
     note(Some(text))?.ok_or_else(|| Unparsed("there is no name".to_owned()))
+}
+
+/// Reads the name of an area of the hall.
+pub(super) fn area(name: String) -> Result<Arc<str>, Unparsed> {
+    let sound = Area::is_name(&name);
+    sound.then(|| name.as_str().into()).ok_or_else(|| Unparsed(format!("{:?} is no name of an area", in_short(&name))))
+}
+
+/// Reads the order of the areas.
+pub(super) fn areas(names: Vec<String>) -> Result<Arc<[Arc<str>]>, Unparsed> {
+    if names.len() > Area::MOST {
+        return Err(Unparsed("there are too many names of areas".to_owned()));
+    }
+    names.into_iter().map(area).collect()
 }
 
 pub(super) fn command_id(id: Option<String>) -> Result<Option<CommandId>, Unparsed> {

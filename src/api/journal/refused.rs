@@ -37,6 +37,7 @@ pub(super) fn written(refused: &Refused, form: Form) -> Coded {
         Refused::OpenPoints { mission, open } => json!({ "mission": mission.0, "open": OpenShape::from(**open) }),
         Refused::OtherMission(mission) => json!({ "mission": mission.0 }),
         Refused::AreaTooLarge(most) => json!({ "most": most }),
+        Refused::UnknownArea(area) => json!({ "area": &**area }),
         Refused::UnknownSensor(sensor) => json!({ "sensor": &**sensor }),
         Refused::NotAllowed(_) | Refused::InWords(_) => json!({ "words": refused.to_string() }),
         Refused::SentBefore
@@ -106,6 +107,7 @@ fn value(coded: &Coded) -> Result<Refused, Unparsed> {
         "exerciseOver" => Refused::ExerciseOver,
         "nothingSearched" => Refused::NothingSearched,
         "areaTooLarge" => Refused::AreaTooLarge(coded.field("most")?),
+        "unknownArea" => Refused::UnknownArea(names::area(coded.field("area")?)?),
         "faultStands" => Refused::FaultStands(coded.field::<CauseShape>("fault")?.cause()?),
         "storeDown" => Refused::StoreDown,
         "notKept" => Refused::NotKept,

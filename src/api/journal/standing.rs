@@ -59,6 +59,8 @@ pub(super) struct StandingShape {
     reading: Option<f64>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     closed: Option<ClosedShape>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    area_order: Vec<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     conditions: Option<ConditionsShape>,
     #[serde(default, skip_serializing_if = "is_zero")]
@@ -93,6 +95,7 @@ impl StandingShape {
             last_alarm: state.last_alarm.0,
             reading: state.reading.map(hallsweep_core::units::Celsius::degrees),
             closed: state.closed.as_deref().map(ClosedShape::from),
+            area_order: state.area_order.iter().map(ToString::to_string).collect(),
             conditions: state.conditions.as_ref().map(ConditionsShape::from),
             clock_set_ms: state.clock_set_ms,
         }
@@ -129,6 +132,7 @@ impl StandingShape {
             last_alarm: AlarmId(self.last_alarm),
             reading: self.reading.map(names::celsius).transpose()?,
             closed: self.closed.map(ClosedShape::closed).transpose()?.map(Arc::new),
+            area_order: names::areas(self.area_order)?,
             conditions: self.conditions.map(ConditionsShape::conditions).transpose()?,
             clock_set_ms: self.clock_set_ms,
         })

@@ -183,6 +183,7 @@ fn idle_mission() -> MissionView {
     MissionView {
         open: Default::default(),
         again: Default::default(),
+        areas: Default::default(),
         is_viewing: false,
         is_exercise: false,
         is_truth_hidden: false,

@@ -201,6 +201,12 @@ mod tests {
                 Command::HandOver(hand_over),
             ),
             ("POST", "/commands/searchAgain", r#"{"x":3,"y":-1,"toX":1,"toY":4}"#, Command::SearchAgain(area)),
+            (
+                "POST",
+                "/commands/orderAreas",
+                r#"{"areas":["gate 2","gate 1"]}"#,
+                Command::OrderAreas(["gate 2".into(), "gate 1".into()].into()),
+            ),
             ("POST", "/commands/move", r#"{"move":"w"}"#, Command::Move(Move::Forward)),
             ("POST", "/commands/move", r#"{"move":"h"}"#, Command::Stop),
             ("POST", "/commands/goto", r#"{"x":4,"y":-2}"#, Command::Goto(cell)),
@@ -242,6 +248,9 @@ mod tests {
     #[tokio::test]
     async fn what_is_malformed_is_refused_with_the_code_that_fits() {
         let app = app(searching());
+        let names = |count: usize| {
+            serde_json::json!({ "areas": (0..count).map(|n| format!("area {n}")).collect::<Vec<_>>() }).to_string()
+        };
         let long = format!(r#"{{"name":"Anna","openPoints":"{}"}}"#, "1".repeat(161));
         let cases = [
             ("POST", "/commands/start", "{", 400),
@@ -266,6 +275,22 @@ mod tests {
             ("POST", "/commands/searchAgain", r#"{"x":1,"y":1,"toX":2,"toY":8193}"#, 422),
             ("POST", "/commands/searchAgain", r#"{"x":1,"y":1,"toX":2,"toY":2.5}"#, 422),
             ("POST", "/commands/searchAgain", r#"{"x":1,"y":1,"toX":2,"toY":2,"area":"bar"}"#, 422),
+            ("POST", "/commands/orderAreas", "", 400),
+            ("POST", "/commands/orderAreas", "[]", 422),
+            ("POST", "/commands/orderAreas", "{}", 422),
+            ("POST", "/commands/orderAreas", r#"{"areas":"gate 1"}"#, 422),
+            ("POST", "/commands/orderAreas", r#"{"areas":{"gate 1":1}}"#, 422),
+            ("POST", "/commands/orderAreas", r#"{"areas":[1]}"#, 422),
+            ("POST", "/commands/orderAreas", r#"{"areas":[["gate 1"]]}"#, 422),
+            ("POST", "/commands/orderAreas", r#"{"areas":["gate 1",null]}"#, 422),
+            ("POST", "/commands/orderAreas", r#"{"areas":["gate 1","bar","gate 1"]}"#, 422),
+            ("POST", "/commands/orderAreas", r#"{"areas":["gate\u0000"]}"#, 422),
+            ("POST", "/commands/orderAreas", r#"{"areas":["a\nb"]}"#, 422),
+            ("POST", "/commands/orderAreas", r#"{"areas":["a\u202eb"]}"#, 422),
+            ("POST", "/commands/orderAreas", r#"{"areas":[""]}"#, 422),
+            ("POST", "/commands/orderAreas", r#"{"areas":[],"epoch":1}"#, 422),
+            ("POST", "/commands/orderAreas", &names(65), 422),
+            ("POST", "/commands/orderAreas", &names(10_000), 413),
             ("POST", "/commands/close", r#"{"openPoints":"1:0"}"#, 422),
             ("POST", "/commands/close", r#"{"name":" "}"#, 422),
             ("POST", "/commands/close", r#"{"name":"a\u202eb"}"#, 422),

@@ -238,7 +238,8 @@ mod tests {
             Some(Refused::OtherMission(_)) => Refused::ExerciseOver,
             Some(Refused::ExerciseOver) => Refused::NothingSearched,
             Some(Refused::NothingSearched) => Refused::AreaTooLarge(4096),
-            Some(Refused::AreaTooLarge(_)) => Refused::StoreDown,
+            Some(Refused::AreaTooLarge(_)) => Refused::UnknownArea("gate 1".into()),
+            Some(Refused::UnknownArea(_)) => Refused::StoreDown,
             Some(Refused::StoreDown) => Refused::NotKept,
             Some(Refused::NotKept) => Refused::OtherContent(CommandId::new("a-name").unwrap()),
             Some(Refused::OtherContent(_)) => Refused::UnknownSensor("roof".into()),
@@ -313,7 +314,7 @@ mod tests {
         for refused in &all {
             let problem = Problem::refused(refused);
             let expected = match refused.code() {
-                "unknownLuggage" | "unknownAlarm" | "unknownSensor" => 404,
+                "unknownLuggage" | "unknownAlarm" | "unknownSensor" | "unknownArea" => 404,
                 "storeDown" | "notKept" => 503,
                 "otherContent" => 422,
                 "notAllowed" => 403,

@@ -104,6 +104,7 @@ refused-openPoints = punti aperti: { $open }; per chiudere la missione con essi,
 refused-otherMission = ora è in corso la missione { $mission }: guardare di nuovo, poi indicare quella
 refused-exerciseOver = i bagagli di prova di questa esercitazione sono ormai noti: avviare di nuovo hallsweep per un’altra esercitazione
 refused-nothingSearched = in quest’area non c’è alcuna cella esplorata: indicare due angoli di un’area che il robot ha esplorato
+refused-unknownArea = la sala non ha un’area { $area }: indicare una delle sue aree
 refused-areaTooLarge = troppe celle: al massimo { $most } possono attendere di essere riesplorate
 refused-nothingPending = nessun bagaglio attende un verdetto
 refused-decided = il bagaglio #{ $id } è già stato giudicato ({ $verdict }): un verdetto è definitivo

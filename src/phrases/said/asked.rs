@@ -58,6 +58,7 @@ impl Language {
                 return self.with_remarks(named.with("to", to).to_string(), Hot::NONE, note.as_ref());
             }
             Carries::Area(area) => named.with("from", area.least).with("to", area.most),
+            Carries::Areas(names) => return self.area_order(names),
             Carries::Unsure(luggage, note, hot) => return self.answer_given(&named, luggage.or(meant), note, hot),
             Carries::Strategy(strategy) => named.with("strategy", self.say_of("strategy", strategy.name())),
             Carries::Temperature(TemperatureReport::Ok) => self.say("asked-ok"),

@@ -1,5 +1,7 @@
 //! Words for the facts of the journal; words for requests are in `asked`.
 
+use std::sync::Arc;
+
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::closing::{Closed, OpenPoints};
 use hallsweep_core::command::{Hot, Note, Verdict};
@@ -119,11 +121,9 @@ impl Language {
                 self.say(if *is_test { "fact-test-piece" } else { "fact-no-test-piece" }).with("id", luggage)
             }
             Fact::Closed(closed) => return self.closed(closed),
-            Fact::HandedOver { who, to, note } => {
-                let said = self.say("fact-handed-over").with("to", to).with("who", who).to_string();
-                return self.with_remarks(said, Hot::NONE, note.as_ref());
-            }
             Fact::SearchAgain(area) => self.say("fact-search-again").with("from", area.least).with("to", area.most),
+            Fact::HandedOver { who, to, note } => return self.handed_over(who, to, note.as_ref()),
+            Fact::AreasOrdered(order) => return self.area_order(order),
             Fact::Temperature(source, celsius) => {
                 self.say("fact-temperature").with("celsius", self.celsius(*celsius)).with("source", source)
             }
@@ -170,6 +170,19 @@ impl Language {
     pub(super) fn with_remarks(self, said: String, hot: Hot, note: Option<&Note>) -> String {
         let said = self.hot(hot).map_or_else(|| said.clone(), |hot| format!("{said} ({hot})"));
         note.map_or_else(|| said.clone(), |note| self.say("asked-noted").with("asked", &said).with("note", note).to_string())
+    }
+
+    fn handed_over(self, who: &str, to: &Note, note: Option<&Note>) -> String {
+        let said = self.say("fact-handed-over").with("to", to).with("who", who).to_string();
+        self.with_remarks(said, Hot::NONE, note)
+    }
+
+    /// Words for the order of the areas, also where somebody asks for it.
+    pub(super) fn area_order(self, names: &[Arc<str>]) -> String {
+        match names {
+            [] => self.say("asked-areas-automatic").to_string(),
+            _ => self.say("asked-orderAreas").with("areas", names.join(", ")).to_string(),
+        }
     }
 
     /// Words for the statement with which a mission was closed.

@@ -67,6 +67,8 @@ fn commands() {
         Command::Reset,
         Command::Goto(CELL),
         Command::SearchAgain(Bounds { least: Cell::HOME, most: CELL }),
+        Command::OrderAreas([].into()),
+        Command::OrderAreas(["gate 1".into(), "gate 2".into()].into()),
         Command::RetakePhoto(ID),
         Command::Acknowledge(AlarmId(4)),
         Command::Temperature(TemperatureReport::Ok),

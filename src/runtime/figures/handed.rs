@@ -144,6 +144,7 @@ impl CountedFact {
             | Fact::Closed(_)
             | Fact::HandedOver { .. }
             | Fact::SearchAgain(_)
+            | Fact::AreasOrdered(_)
             | Fact::Holds(_)
             | Fact::Epoch(_)
             | Fact::Goal(..)
@@ -326,7 +327,7 @@ mod tests {
         assert_eq!((figures.value("luggage_total"), figures.value("photos_total")), (3.0, 3.0));
     }
 
-    fn commands() -> [Command; 17] {
+    fn commands() -> [Command; 18] {
         [
             Command::Start,
             Command::Stop,
@@ -337,6 +338,7 @@ mod tests {
             Command::Close(Closing { name: Note::new("Anna").expect("a sound name"), note: None, seen: "".into() }),
             Command::HandOver(HandOver { mission: None, to: Note::new("police").expect("a sound name"), note: None }),
             Command::SearchAgain(Bounds::of(Cell::HOME)),
+            Command::OrderAreas(Default::default()),
             Command::Move(Move::Forward),
             Command::Goto(Cell::HOME),
             Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None, hot: Default::default() },
@@ -357,7 +359,7 @@ mod tests {
             let times = |outcome: &str| figures.value(&format!("commands_total{{command=\"{name}\",outcome=\"{outcome}\"}}"));
             assert_eq!((times("accepted"), times("refused")), (1.0, 2.0), "{name}");
         }
-        assert_eq!(figures.value("refusals_total{code=\"held\"}"), 34.0);
+        assert_eq!(figures.value("refusals_total{code=\"held\"}"), 36.0);
     }
 
     #[test]

@@ -69,6 +69,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
         | Fact::Closed(_)
         | Fact::HandedOver { .. }
         | Fact::SearchAgain(_)
+        | Fact::AreasOrdered(_)
         | Fact::Temperature(..)
         | Fact::ThermometerSilent(_)
         | Fact::AlarmRaised(..)

@@ -13,8 +13,8 @@ use crate::mission::{Act, Input, InputContext};
 use crate::robot::RobotId;
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
-use crate::state::Stage;
 use crate::state::fact::Fact;
+use crate::state::{Phase, Stage};
 use crate::units::{Cell, Celsius, LuggageId};
 use crate::world::alarm::{Alarm, AlarmCause};
 use crate::world::hall_map::Mark;
@@ -60,6 +60,7 @@ impl Engine {
             Act::Close => self.close_mission(context),
             Act::HandOver => self.hand_over(context),
             Act::SearchAgain => self.search_again(context),
+            Act::OrderAreas => self.order_areas(context),
             Act::RetryBlocked => self.retry_blocked(),
             Act::BeginRetrieval => self.begin_retrieval(context.luggage),
             Act::EndRetrieval => self.end_retrieval(),
@@ -320,6 +321,21 @@ impl Engine {
         let Some(area) = context.area else { return };
         self.record(Fact::SearchAgain(area));
         self.set_goal(None, self.state.search.clone());
+    }
+
+    fn order_areas(&mut self, context: &InputContext) {
+        let Some(order) = &context.area_order else { return };
+        self.record_areas(Fact::AreasOrdered(Arc::clone(order)));
+    }
+
+    /// Records what a person decides about the areas. The robot finishes its present order, and the search then chooses
+    /// its goal anew.
+    fn record_areas(&mut self, fact: Fact) {
+        if self.state.phase == Phase::Exploring {
+            self.mission.route.clear();
+        }
+        self.world.touch(Resource::Mission);
+        self.record(fact);
     }
 
     /// Marks cells that were free and later blocked as free again, because somebody may have cleared the way. The cells

@@ -150,6 +150,7 @@ impl Engine {
             }
             Guard::OpenUnseen => self.open_unseen(phase, context),
             Guard::AreaUnfit => self.area_unfit(context.area?),
+            Guard::UnknownArea => self.unknown_area(context),
             Guard::FaultStands => self.fault_stands(phase).map(|cause| Refused::FaultStands(cause.clone())),
         }
     }
@@ -177,6 +178,10 @@ impl Engine {
         let seen = context.closing.as_ref().map(|closing| &*closing.seen)?;
         let is_seen = seen == open.code(mission) || seen.is_empty() && open.is_empty();
         (!is_seen).then(|| Refused::OpenPoints { mission, open: Box::new(open) })
+    }
+
+    fn unknown_area(&self, context: &InputContext) -> Option<Refused> {
+        context.named_areas().find(|name| self.state.area(name).is_none()).cloned().map(Refused::UnknownArea)
     }
 
     /// Refuses an area without a searched cell, and an area that would make the list of cells too long. Cells that are

@@ -355,14 +355,15 @@ impl Engine {
         }
     }
 
-    /// Returns whether the areas have changed.
+    /// Returns whether the areas, their order or the closed areas have changed.
     pub(super) fn know_areas(&mut self) -> bool {
         let (areas, sensor) = self
             .state
             .conditions
             .as_ref()
             .map_or_else(Default::default, |conditions| (Arc::clone(&conditions.venue.areas), conditions.venue.sensor));
-        self.planner.set_areas(AreaSource { areas, sensor })
+        let order = Arc::clone(&self.state.area_order);
+        self.planner.set_areas(AreaSource { areas, order, sensor })
     }
 
     /// Returns the rings round all bombs in the hall. A retrieval ignores the ring of the piece that it fetches.

@@ -21,8 +21,10 @@ use crate::hand_over::HandOver;
 use crate::hold::{Hold, Holds};
 use crate::phase::{FaultCause, PhaseName};
 use crate::robot::Parts;
-use crate::state::{Inspection, Phase, Stage};
+use crate::settings::Rules;
+use crate::state::{Conditions, Inspection, Phase, Stage, Venue};
 use crate::units::{AlarmId, Cell, Celsius, OrderId, Pose, Seq, WallTime};
+use crate::world::areas::Area;
 use crate::world::hall_map::Bounds;
 use crate::world::luggage::{Luggage, PhotoState};
 
@@ -54,6 +56,12 @@ fn phase(name: PhaseName) -> Phase {
     }
 }
 
+/// A hall with one area, of two cells: the cell where `sweep_in` puts the robot, and the cell of the piece.
+fn with_area() -> Venue {
+    let area = Area { name: "gate".into(), probability: 0.5, corners: [Cell::new(0, 1), Cell::new(0, 2)].into() };
+    Venue { areas: [area].into(), ..Venue::default() }
+}
+
 /// Returns an engine in this phase and under these holds. A linked robot stands at the centre of a cell away from
 /// home, and one piece is pending.
 fn sweep_in(name: PhaseName, holds: &[Hold]) -> Engine {
@@ -82,6 +90,8 @@ fn sweep_in(name: PhaseName, holds: &[Hold]) -> Engine {
     };
     engine.state.luggage.insert(Arc::new(luggage));
     engine.state.last_luggage = LuggageId(1);
+    engine.state.conditions =
+        Some(Conditions { venue: with_area(), threshold: engine.settings.threshold, rules: Rules::default() });
     engine.state.phase = phase(name);
     engine.state.holds = Holds::default();
     for hold in holds {
@@ -121,6 +131,7 @@ fn command(input: Input) -> Option<Command> {
         Input::Close => Command::Close(Closing { name: Note::new("Anna Rossi")?, note: None, seen: "".into() }),
         Input::HandOver => Command::HandOver(HandOver { mission: None, to: Note::new("police")?, note: None }),
         Input::SearchAgain => Command::SearchAgain(Bounds { least: Cell::HOME, most: Cell::new(1, 0) }),
+        Input::OrderAreas => Command::OrderAreas(["gate".into()].into()),
         Input::TemperatureOk => Command::Temperature(TemperatureReport::Ok),
         Input::TemperatureTooHigh => Command::Temperature(TemperatureReport::TooHigh),
         Input::Reading => Command::Temperature(TemperatureReport::Reading(Celsius::new(20.0)?)),

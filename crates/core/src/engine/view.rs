@@ -16,10 +16,11 @@ use crate::robot::{Part, RobotId, RobotState};
 use crate::search::forecast::forecast;
 use crate::search::plan::cells_along;
 use crate::snapshot::robot::{RobotShown, RobotView};
-use crate::snapshot::{MissionView, Progress, Refusals, Snapshot, TimeLeft};
+use crate::snapshot::{AreaView, MissionView, Progress, Refusals, Snapshot, TimeLeft};
 use crate::state::{Phase, Stage};
 use crate::units::Cell;
 use crate::world::alarm::AlarmView;
+use crate::world::areas::Area;
 use crate::world::hall_map::{HallMap, Mark};
 use crate::world::records::LuggageRecords;
 use crate::world::resource::Resource;
@@ -127,6 +128,7 @@ impl Engine {
             epoch: self.state.epoch,
             progress: self.progress(),
             again: Arc::clone(&shown.again),
+            areas: self.areas_shown(),
             open: self.open_points(self.shown_map(), &shown.luggage, shown.again.len()),
             closed: shown.closed.clone(),
             keep_out: self.keep_out(),
@@ -135,6 +137,15 @@ impl Engine {
             clock_set_ms: self.state.clock_set_ms,
             refusals: self.refusals_shown(),
         }
+    }
+
+    fn areas_shown(&self) -> Arc<[AreaView]> {
+        let shown = &self.on_record.shown;
+        let view = |area: &Area| AreaView {
+            area: area.clone(),
+            order: shown.area_order.iter().position(|name| *name == area.name).map(|place| place + 1),
+        };
+        self.state.areas().iter().map(view).collect()
     }
 
     /// Returns the holds to show. A hold is shown as soon as it is raised. After a command has cleared a hold, the

@@ -32,6 +32,7 @@ named! {
         Close = "close",
         HandOver = "hand over",
         SearchAgain = "search again",
+        OrderAreas = "order areas",
         Move = "move",
         Goto = "goto",
         RetakePhoto = "retake photo",
@@ -67,7 +68,7 @@ named! {
 
 impl Input {
     /// The inputs that are commands, in the order of mission §4.
-    pub(crate) const COMMANDS: [Input; 21] = *Input::ALL.first_chunk().expect("they are listed first");
+    pub(crate) const COMMANDS: [Input; 22] = *Input::ALL.first_chunk().expect("they are listed first");
 
     /// The inputs that are events, in the order in which they occur in a mission.
     pub(crate) const EVENTS: [Input; 25] = *Input::ALL.last_chunk().expect("they are listed last");
@@ -93,6 +94,7 @@ pub(crate) struct InputContext {
     pub(crate) step: Option<Move>,
     pub(crate) cell: Option<Cell>,
     pub(crate) area: Option<Bounds>,
+    pub(crate) area_order: Option<Arc<[Arc<str>]>>,
     pub(crate) obstacle: Option<Obstacle>,
     pub(crate) photo: Option<Photo>,
     pub(crate) alarm: Option<AlarmId>,
@@ -106,6 +108,11 @@ pub(crate) struct InputContext {
 }
 
 impl InputContext {
+    /// Returns the names of areas in a command that orders them.
+    pub(crate) fn named_areas(&self) -> impl Iterator<Item = &Arc<str>> {
+        self.area_order.iter().flat_map(|order| order.iter())
+    }
+
     /// Returns the input for a command, with its details. `pending` is the piece that a verdict without a number
     /// would mean.
     pub(crate) fn of(command: &Command, issuer: &Issuer, pending: Option<LuggageId>) -> (Input, InputContext) {
@@ -120,6 +127,7 @@ impl InputContext {
             Command::Close(closing) => (Input::Close, InputContext { closing: Some(closing.clone()), ..context }),
             Command::HandOver(hand_over) => (Input::HandOver, InputContext { hand_over: Some(hand_over.clone()), ..context }),
             Command::SearchAgain(area) => (Input::SearchAgain, InputContext { area: Some(*area), ..context }),
+            Command::OrderAreas(names) => (Input::OrderAreas, InputContext { area_order: Some(Arc::clone(names)), ..context }),
             Command::Move(step) => (Input::Move, InputContext { step: Some(*step), ..context }),
             Command::Goto(cell) => (Input::Goto, InputContext { cell: Some(*cell), ..context }),
             Command::Verdict { luggage, verdict, note, hot } => {

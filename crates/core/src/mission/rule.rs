@@ -61,6 +61,7 @@ named! {
         ExerciseOver = "a mission has begun with the test pieces of this exercise already",
         OpenUnseen = "no mission is under way, or the command does not name its open points",
         AreaUnfit = "the area has no searched cell, or too many",
+        UnknownArea = "the hall has no area of this name",
         FaultStands = "the cause of the fault is still present",
         UnknownSensor = "no such sensor is configured",
     }
@@ -116,6 +117,7 @@ pub(crate) enum Act {
     Close,
     HandOver,
     SearchAgain,
+    OrderAreas,
     RetryBlocked,
     BeginRetrieval,
     EndRetrieval,
@@ -150,6 +152,7 @@ impl Act {
             Act::Close => "records who closes the mission, and the open points",
             Act::HandOver => "records to whom the mission is handed over",
             Act::SearchAgain => "notes the cells to be visited again",
+            Act::OrderAreas => "records the order of the areas",
             Act::RetryBlocked => "tries blocked cells again",
             Act::BeginRetrieval => "chooses the bag, sends the robots",
             Act::EndRetrieval => "ends the retrieval",

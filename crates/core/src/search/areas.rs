@@ -31,6 +31,7 @@ pub struct AreaPlan {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct AreaSource {
     pub(crate) areas: Arc<[Area]>,
+    pub(crate) order: Arc<[Arc<str>]>,
     pub(crate) sensor: Sensor,
 }
 

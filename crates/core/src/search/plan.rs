@@ -57,11 +57,11 @@ impl Planner {
         self.shut_rings();
     }
 
-    /// Returns whether the areas have changed.
+    /// Returns whether the areas, their order or the closed areas have changed.
     pub(crate) fn set_areas(&mut self, from: AreaSource) -> bool {
         let is_new = self.areas_from != from;
         if is_new {
-            self.areas = AreaPlan::new(&from.areas, &[], |_| false, from.sensor);
+            self.areas = AreaPlan::new(&from.areas, &from.order, |_| false, from.sensor);
             self.areas_from = from;
             self.make_room_for_areas();
         }

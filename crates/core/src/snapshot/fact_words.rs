@@ -2,6 +2,7 @@
 //! back.
 
 use std::fmt::Display;
+use std::sync::Arc;
 
 use crate::asked::Asked;
 use crate::closing::Closed;
@@ -88,6 +89,7 @@ fn said(fact: &Fact) -> String {
         Fact::Revealed { luggage, is_test: true } => format!("luggage #{luggage} was a test piece"),
         Fact::Revealed { luggage, is_test: false } => format!("luggage #{luggage} was no test piece"),
         Fact::SearchAgain(area) => format!("to be searched again: {} to {}", area.least, area.most),
+        Fact::AreasOrdered(order) => Command::OrderAreas(Arc::clone(order)).to_string(),
         Fact::Closed(closed) => {
             let Closed { who, name, note, open, .. } = &**closed;
             let note = Note::in_brackets(note.as_ref());

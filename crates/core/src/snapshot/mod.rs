@@ -24,6 +24,7 @@ use crate::snapshot::robot::{RobotShown, RobotView};
 use crate::state::{Reach, Venue};
 use crate::units::{Cell, Epoch, LuggageId, MissionId, Revision};
 use crate::world::alarm::AlarmView;
+use crate::world::areas::Area;
 use crate::world::coverage::Coverage;
 use crate::world::hall_map::HallMap;
 use crate::world::keep_out::KeepOut;
@@ -126,6 +127,8 @@ pub struct MissionView {
     pub progress: Progress,
     /// The searched cells that the robot has to visit once more.
     pub again: Arc<BTreeSet<Cell>>,
+    /// The named areas of the hall, in the order of the hall file.
+    pub areas: Arc<[AreaView]>,
     pub open: OpenPoints,
     /// Who has closed the mission; `None` while nobody has, and after a robot moves again or another piece is judged.
     pub closed: Option<Arc<Closed>>,
@@ -138,6 +141,15 @@ pub struct MissionView {
     /// Total of all clock changes since the mission began, in milliseconds.
     pub clock_set_ms: i64,
     pub refusals: Refusals,
+}
+
+/// An area of the hall, and what persons have decided about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AreaView {
+    pub area: Area,
+    /// The place of the area in the order that a person has given, from 1. Areas without a place come after those with
+    /// one, in an order that the search chooses.
+    pub order: Option<usize>,
 }
 
 /// The progress of the search. The size of the hall may be unknown until the end.

@@ -105,6 +105,8 @@ pub enum Fact {
     },
     /// The robot has to visit the searched cells of this area once more.
     SearchAgain(Bounds),
+    /// The order in which a person wants the areas searched. The search chooses its goal anew.
+    AreasOrdered(Arc<[Arc<str>]>),
     Temperature(Arc<str>, Celsius),
     /// The last reading of this source no longer counts as known.
     ThermometerSilent(Arc<str>),

@@ -21,6 +21,7 @@ pub use self::team::{TeamStage, TeamState};
 use super::search::Search;
 use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId, MissionId, Pose, Revision, WallTime};
 use super::world::alarm::{Alarm, AlarmCause};
+use super::world::areas::Area;
 use super::world::coverage::Coverage;
 use super::world::hall_map::{Bounds, HallMap, Mark};
 use super::world::luggage::{Decision, Doubt, Judgement, Luggage};
@@ -76,6 +77,8 @@ pub struct PersistentState {
     pub reading: Option<Celsius>,
     /// Who has closed the mission; `None` after a robot moves again or another piece is judged.
     pub closed: Option<Arc<Closed>>,
+    /// The names of the areas that a person wants searched first, in this order.
+    pub area_order: Arc<[Arc<str>]>,
     /// The place and the threshold of the mission; `None` if no journal has recorded them yet.
     pub conditions: Option<Conditions>,
     /// Total of all clock changes since the mission began, in milliseconds.
@@ -114,6 +117,7 @@ impl PersistentState {
             last_alarm: AlarmId(0),
             reading: None,
             closed: None,
+            area_order: Arc::default(),
             conditions: None,
             clock_set_ms: 0,
         }
@@ -146,7 +150,7 @@ impl PersistentState {
             | Fact::Unpacked(_) => {}
             Fact::ClockSet(by) => self.set_clock(*by),
             Fact::State(state) => *self = PersistentState::clone(state),
-            Fact::Conditions(conditions) => self.conditions = Some(conditions.clone()),
+            Fact::Conditions(conditions) => self.set_conditions(conditions),
             Fact::MissionBegan(mission, strategy) => {
                 (self.mission, self.under_way, self.strategy, self.clock_set_ms) = (*mission, true, *strategy, 0);
                 self.search_anew();
@@ -157,6 +161,7 @@ impl PersistentState {
                 let again = self.searched_in(*area).chain(self.again.iter().copied()).collect();
                 self.again = Arc::new(again);
             }
+            Fact::AreasOrdered(order) => self.area_order = Arc::clone(order),
             Fact::Phase(phase) => {
                 self.phase = phase.clone();
                 if phase.is_motion() {
@@ -236,6 +241,7 @@ impl PersistentState {
     /// Ends the mission. Alarms that are not acknowledged stay.
     pub(crate) fn put_away(&mut self) {
         (self.under_way, self.closed, self.again) = (false, None, Arc::default());
+        self.area_order = Arc::default();
         self.search_anew();
         self.luggage = LuggageRecords::default();
         self.alarms.retain(|alarm| alarm.acknowledged.is_none());
@@ -259,6 +265,25 @@ impl PersistentState {
     pub(crate) fn searched_in(&self, area: Bounds) -> impl Iterator<Item = Cell> {
         let is_searched = move |(cell, mark): &(Cell, Mark)| area.contains(*cell) && matches!(mark, Mark::Visited | Mark::Seen);
         self.map.known().filter(is_searched).map(|(cell, _)| cell).filter(|cell| *cell != self.pose.cell)
+    }
+
+    /// Returns the area of this name, if the hall has it.
+    #[must_use]
+    pub fn area(&self, name: &str) -> Option<&Area> {
+        self.areas().iter().find(|area| &*area.name == name)
+    }
+
+    pub(crate) fn areas(&self) -> &[Area] {
+        self.conditions.as_ref().map_or(&[], |conditions| &conditions.venue.areas)
+    }
+
+    /// Also forgets what was decided about areas that the present hall does not have.
+    fn set_conditions(&mut self, conditions: &Conditions) {
+        self.conditions = Some(conditions.clone());
+        let names: BTreeSet<Arc<str>> = self.areas().iter().map(|area| Arc::clone(&area.name)).collect();
+        if !self.area_order.iter().all(|name| names.contains(name)) {
+            self.area_order = self.area_order.iter().filter(|name| names.contains(*name)).cloned().collect();
+        }
     }
 
     /// Notes that sonar and camera have looked at the known cells ahead, up to the first obstacle.

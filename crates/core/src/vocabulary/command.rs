@@ -80,6 +80,9 @@ pub enum Command {
     HandOver(HandOver),
     /// Visit all searched cells of this area once more.
     SearchAgain(Bounds),
+    /// The names of the areas that are to be searched first, in this order. An empty list leaves the order to the
+    /// search.
+    OrderAreas(Arc<[Arc<str>]>),
     Move(Move),
     Goto(Cell),
     Verdict {
@@ -113,13 +116,14 @@ pub enum Carries<'a> {
     Closing(&'a Closing),
     HandOver(&'a HandOver),
     Area(Bounds),
+    Areas(&'a Arc<[Arc<str>]>),
     Strategy(Strategy),
     Temperature(&'a TemperatureReport),
 }
 
 impl Command {
     /// The codes of all commands. The journal stores these codes, so a code never changes.
-    pub const CODES: [&str; 17] = [
+    pub const CODES: [&str; 18] = [
         "start",
         "stop",
         "backHome",
@@ -129,6 +133,7 @@ impl Command {
         "close",
         "handOver",
         "searchAgain",
+        "orderAreas",
         "move",
         "goto",
         "verdict",
@@ -153,6 +158,7 @@ impl Command {
             Command::Close(_) => "close",
             Command::HandOver(_) => "handOver",
             Command::SearchAgain(_) => "searchAgain",
+            Command::OrderAreas(_) => "orderAreas",
             Command::Move(_) => "move",
             Command::Goto(_) => "goto",
             Command::Verdict { .. } => "verdict",
@@ -174,6 +180,7 @@ impl Command {
             Command::Close(closing) => Carries::Closing(closing),
             Command::HandOver(hand_over) => Carries::HandOver(hand_over),
             Command::SearchAgain(area) => Carries::Area(*area),
+            Command::OrderAreas(names) => Carries::Areas(names),
             Command::Move(step) => Carries::Move(*step),
             Command::Goto(cell) => Carries::Cell(*cell),
             Command::Verdict { luggage, verdict, note, hot } => Carries::Verdict(*luggage, *verdict, note.as_ref(), *hot),
@@ -194,6 +201,7 @@ impl Command {
             | Carries::Closing(_)
             | Carries::HandOver(_)
             | Carries::Area(_)
+            | Carries::Areas(_)
             | Carries::Alarm(_)
             | Carries::Move(_)
             | Carries::Cell(_)
@@ -217,6 +225,7 @@ impl Command {
             Command::Stop
             | Command::Close(_)
             | Command::HandOver(_)
+            | Command::OrderAreas(_)
             | Command::Verdict { .. }
             | Command::Unsure { .. }
             | Command::RetakePhoto(_)
@@ -242,6 +251,8 @@ impl std::fmt::Display for Command {
             }
             Command::HandOver(HandOver { to, note, .. }) => write!(f, "hand over to {to}{}", Note::in_brackets(note.as_ref())),
             Command::SearchAgain(area) => write!(f, "search again {} to {}", area.least, area.most),
+            Command::OrderAreas(names) if names.is_empty() => f.write_str("order of areas: automatic"),
+            Command::OrderAreas(names) => write!(f, "order of areas: {}", names.join(", ")),
             Command::Move(step) => write!(f, "move {}", step.in_words()),
             Command::Goto(cell) => write!(f, "goto {cell}"),
             Command::Verdict { luggage, verdict, note, hot } => write_answer(f, verdict.name(), *luggage, note.as_ref(), *hot),

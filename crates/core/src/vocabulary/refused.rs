@@ -101,6 +101,8 @@ pub enum Refused {
     NothingSearched,
     #[error("too many cells: at most {0} can wait to be searched again")]
     AreaTooLarge(usize),
+    #[error("the hall has no area {0:?}: name one of its areas")]
+    UnknownArea(Arc<str>),
     #[error("the fault still stands: {0}")]
     FaultStands(FaultCause),
     #[error("the record cannot be written, so nothing was decided: try again when the store is back")]
@@ -136,7 +138,7 @@ pub struct Refusal {
 
 /// Every code with its kind, for refusals that are read back. A test of an interface compares this list with the
 /// variants. The code of `NotOnRecord` is missing, because no command is answered with it.
-pub const CODES: [(&str, RefusalKind); 35] = {
+pub const CODES: [(&str, RefusalKind); 36] = {
     use RefusalKind::{Conflict, Forbidden, Mismatch, Unavailable, Unknown};
     [
         ("held", Conflict),
@@ -168,6 +170,7 @@ pub const CODES: [(&str, RefusalKind); 35] = {
         ("exerciseOver", Conflict),
         ("nothingSearched", Conflict),
         ("areaTooLarge", Conflict),
+        ("unknownArea", Unknown),
         ("faultStands", Conflict),
         ("storeDown", Unavailable),
         ("notKept", Unavailable),
@@ -181,7 +184,9 @@ impl Refused {
     #[must_use]
     pub const fn kind(&self) -> RefusalKind {
         match self {
-            Refused::UnknownLuggage(_) | Refused::UnknownAlarm(_) | Refused::UnknownSensor(_) => RefusalKind::Unknown,
+            Refused::UnknownLuggage(_) | Refused::UnknownAlarm(_) | Refused::UnknownSensor(_) | Refused::UnknownArea(_) => {
+                RefusalKind::Unknown
+            }
             Refused::StoreDown | Refused::NotKept | Refused::NotOnRecord => RefusalKind::Unavailable,
             Refused::OtherContent(_) => RefusalKind::Mismatch,
             Refused::NotAllowed(_) => RefusalKind::Forbidden,
@@ -250,6 +255,7 @@ impl Refused {
             Refused::ExerciseOver => "exerciseOver",
             Refused::NothingSearched => "nothingSearched",
             Refused::AreaTooLarge(_) => "areaTooLarge",
+            Refused::UnknownArea(_) => "unknownArea",
             Refused::FaultStands(_) => "faultStands",
             Refused::StoreDown => "storeDown",
             Refused::NotKept => "notKept",

@@ -37,6 +37,7 @@ use hallsweep_core::state::{
 };
 use hallsweep_core::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Piece, Pose, Revision, Seq, WallTime};
 use hallsweep_core::world::alarm::{Alarm, AlarmCause};
+use hallsweep_core::world::areas::Area;
 use hallsweep_core::world::coverage::{Coverage, Views};
 use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark, REACH};
 use hallsweep_core::world::luggage::{Decision, Doubt, Judgement, Luggage, PhotoState};
@@ -96,6 +97,7 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
         closed().prop_map(|closed| Fact::Closed(Box::new(closed))),
         (text(), name(), note()).prop_map(|(who, to, note)| Fact::HandedOver { who: who.into(), to, note }),
         area().prop_map(Fact::SearchAgain),
+        area_names().prop_map(Fact::AreasOrdered),
         (text(), celsius()).prop_map(|(source, celsius)| Fact::Temperature(source.into(), celsius)),
         text().prop_map(|source| Fact::ThermometerSilent(source.into())),
         (any::<u64>(), option::of(any::<u64>()), alarm_cause())
@@ -108,6 +110,14 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
 
 fn area() -> impl Strategy<Value = Bounds> {
     (cell(), cell()).prop_map(|(one, other)| Bounds::of(one).including(other))
+}
+
+fn area_name() -> impl Strategy<Value = Arc<str>> {
+    "[^\\p{C}\\p{Z}]{1,40}".prop_filter_map("a name of an area", |name| Area::is_name(&name).then(|| name.into()))
+}
+
+fn area_names() -> impl Strategy<Value = Arc<[Arc<str>]>> {
+    btree_set(area_name(), 0..4).prop_map(|names| names.into_iter().collect())
 }
 
 fn open_points() -> impl Strategy<Value = OpenPoints> {
@@ -217,6 +227,7 @@ fn asked() -> impl Strategy<Value = Asked> {
         any::<u64>().prop_map(|id| Command::Acknowledge(AlarmId(id))),
         one_of(&Order::ALL).prop_map(Command::ChooseStrategy),
         report.prop_map(Command::Temperature),
+        area_names().prop_map(Command::OrderAreas),
     ];
     let within = option::of((0..100_000_u64).prop_map(|tenths| Duration::from_millis(tenths * 100)));
     let one = prop_oneof![
@@ -280,6 +291,7 @@ fn refused() -> impl Strategy<Value = Refused> {
         1 => cause().prop_map(Refused::FaultStands),
         1 => command_id().prop_map(Refused::OtherContent),
         1 => text().prop_map(|name| Refused::UnknownSensor(name.into())),
+        1 => area_name().prop_map(Refused::UnknownArea),
         1 => text().prop_map(Refused::NotAllowed),
         1 => text().prop_map(|words| Refused::InWords(refusal("malformed", words))),
     ]
@@ -321,8 +333,9 @@ fn state() -> impl Strategy<Value = PersistentState> {
     let pieces = (btree_set(any::<u32>().prop_map(Piece), 0..4), met_again);
     let map = (hall_map(), coverage());
     let world = (map, pieces, vec(luggage(), 0..4), vec(alarm(), 0..4));
-    let rest = (option::of(celsius()), option::of(conditions()), option::of(closed()), btree_set(cell(), 0..4));
-    (numbers, mission, world, rest).prop_map(|(numbers, mission, world, (reading, conditions, closed, again))| {
+    let areas = area_names();
+    let rest = (option::of(celsius()), option::of(conditions()), option::of(closed()), btree_set(cell(), 0..4), areas);
+    (numbers, mission, world, rest).prop_map(|(numbers, mission, world, (reading, conditions, closed, again, areas))| {
         let (id, under_way, epoch, last_luggage, last_alarm, led_blinking) = numbers;
         let (phase, holds, search, goal, blocked, (pose, others, (outside, retrieval))) = mission;
         let ((map, coverage), (pieces, met_again), luggage, alarms) = world;
@@ -352,6 +365,7 @@ fn state() -> impl Strategy<Value = PersistentState> {
             last_alarm: AlarmId(last_alarm),
             reading,
             closed: closed.map(Arc::new),
+            area_order: areas,
             conditions,
             clock_set_ms: i64::try_from(epoch.0).unwrap_or(-1),
         }

@@ -108,7 +108,7 @@ mod tests {
             let refused = Refused::InWords(Refusal { code: word, kind, words: "a sentence".to_owned() });
             let problem = Problem::refused(&refused);
             let expected = match word {
-                "unknownLuggage" | "unknownAlarm" | "unknownSensor" => "4.04",
+                "unknownLuggage" | "unknownAlarm" | "unknownSensor" | "unknownArea" => "4.04",
                 "storeDown" | "notKept" => "5.03",
                 "otherContent" => "4.22",
                 "notAllowed" => "4.03",

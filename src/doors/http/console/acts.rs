@@ -37,6 +37,11 @@ pub(in crate::doors::http) struct Fields {
     open: Option<String>,
     to: Option<String>,
     mission: Option<String>,
+    /// The names of the areas in the order of the page, one a line.
+    areas: Option<String>,
+    /// The name of the area that is to come one place earlier.
+    earlier: Option<String>,
+    later: Option<String>,
 }
 
 /// The remarks of the operator beside a verdict. They come from the query of the confirmation page (`?note=…`).
@@ -86,6 +91,7 @@ impl Fields {
             }
             "move" => command::move_word(needed("move", self.word.as_deref())?)?,
             "goto" => command::goto(whole("x", &self.x)?, whole("y", &self.y)?)?,
+            "orderAreas" => self.area_order()?,
             "searchAgain" => {
                 let corner = (whole("x", &self.x)?, whole("y", &self.y)?);
                 command::search_again(corner, (whole("toX", &self.to_x)?, whole("toY", &self.to_y)?))?
@@ -119,6 +125,20 @@ impl Fields {
             ("stop", _) => "page".to_owned(),
             _ => act.to_owned(),
         }
+    }
+
+    /// Returns the order on the page, with one area one place earlier or later.
+    fn area_order(&self) -> Result<Command, Problem> {
+        let areas = self.areas.as_deref().ok_or_else(|| Problem::unusable("areas is missing".to_owned()))?;
+        let names = areas.lines();
+        let mut names: Vec<&str> = names.filter(|name| !name.is_empty()).collect();
+        let place = |name: &Option<String>| names.iter().position(|known| Some(*known) == name.as_deref());
+        let first = place(&self.earlier).and_then(|place| place.checked_sub(1));
+        let first = first.or(place(&self.later)).filter(|first| first + 1 < names.len());
+        if let Some(first) = first {
+            names.swap(first, first + 1);
+        }
+        Ok(command::order_areas(names.into_iter())?)
     }
 
     /// Returns the answer about a piece; without a verdict, the sender is unsure.
@@ -214,6 +234,9 @@ mod tests {
             obvious: Some("cannotSay".to_owned()),
             typical: Some(String::new()),
             celsius: Some("21,5".to_owned()),
+            areas: Some("gate 2\r\ngate 1\r\nbar".to_owned()),
+            earlier: Some("gate 1".to_owned()),
+            later: None,
             note: Some(" a lunch\r\n\tbox".to_owned()),
         };
         let rows = super::super::super::routes::table();
@@ -225,6 +248,12 @@ mod tests {
         assert_eq!(fields.command("goto").unwrap().0, Command::Goto(Cell::new(1, -2)));
         let area = Bounds { least: Cell::new(0, -2), most: Cell::new(1, 4) };
         assert_eq!(fields.command("searchAgain").unwrap().0, Command::SearchAgain(area), "corners in any order");
+        let order = |names: [&str; 3]| Command::OrderAreas(names.map(Into::into).into());
+        assert_eq!(fields.command("orderAreas").unwrap().0, order(["gate 1", "gate 2", "bar"]));
+        let fields = Fields { earlier: Some("gate 2".to_owned()), ..fields };
+        assert_eq!(fields.command("orderAreas").unwrap().0, order(["gate 2", "gate 1", "bar"]), "it is the first");
+        let fields = Fields { earlier: None, later: Some("gate 1".to_owned()), ..fields };
+        assert_eq!(fields.command("orderAreas").unwrap().0, order(["gate 2", "bar", "gate 1"]));
         let (luggage, note) = (LuggageRef::Id(LuggageId(3)), Note::new("a lunch box"));
         let hot = Hot { hidden: Some(HotAnswer::No), obvious: Some(HotAnswer::CannotSay), ..Hot::NONE };
         let verdict = |verdict, hot| Command::Verdict { luggage, verdict, note: note.clone(), hot };

@@ -13,7 +13,7 @@ use super::operation::Subject::{Commands, Laboratory, Map, Missions, OldClients,
 use super::operation::{Operation, Subject};
 use crate::api::answer::AnswerJson;
 use crate::api::changes::ChangesJson;
-use crate::api::commands::{self, COMMANDS, CommandKind, Methods};
+use crate::api::commands::{self, COMMANDS, CommandKind, Methods, Takes};
 use crate::api::hall_files::ReadHall;
 use crate::api::map::MapJson;
 use crate::api::map_files::FILES;
@@ -75,8 +75,9 @@ fn command(row: &'static commands::CommandRow, schemas: &mut Schemas) -> Operati
         Some(body) => operation.takes(&[JSON], body, row.needs_body()),
         None => operation,
     };
-    // The request may name a sensor that the settings do not have.
-    if row.kind == CommandKind::Temperature { operation.also(&[ProblemKind::NotFound]) } else { operation }
+    // The request may name a sensor that the settings do not have, or an area that the hall does not have.
+    let names_something = row.kind == CommandKind::Temperature || matches!(row.takes, Takes::OrderAreas);
+    if names_something { operation.also(&[ProblemKind::NotFound]) } else { operation }
 }
 
 fn resource(row: &'static resources::ResourceRow, schemas: &mut Schemas) -> Operation {

@@ -49,7 +49,7 @@ mod tests {
             let refused = Refused::InWords(Refusal { code: word, kind, words: "a sentence".to_owned() });
             let problem = Problem::refused(&refused);
             let expected = match word {
-                "unknownLuggage" | "unknownAlarm" | "unknownSensor" => 404,
+                "unknownLuggage" | "unknownAlarm" | "unknownSensor" | "unknownArea" => 404,
                 "storeDown" | "notKept" => 503,
                 "otherContent" => 422,
                 "notAllowed" => 403,

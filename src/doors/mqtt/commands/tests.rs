@@ -51,6 +51,8 @@ fn all_commands() -> Vec<(&'static str, &'static str, Command)> {
             Command::HandOver(HandOver { mission: None, to: Note::new("police").unwrap(), note: None }),
         ),
         ("searchAgain", r#"{"x":0,"y":0,"toX":0,"toY":0}"#, Command::SearchAgain(Bounds::of(Cell::HOME))),
+        ("orderAreas", r#"{"areas":["gate 2","gate 1"]}"#, Command::OrderAreas(["gate 2".into(), "gate 1".into()].into())),
+        ("orderAreas", r#"{"areas":[]}"#, Command::OrderAreas([].into())),
         ("move", r#"{"move":"w"}"#, Command::Move(Move::Forward)),
         ("move", r#"{"move":"h"}"#, Command::Stop),
         ("goto", r#"{"x":4,"y":-2}"#, Command::Goto(Cell::new(4, -2))),

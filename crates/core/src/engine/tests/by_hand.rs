@@ -160,7 +160,8 @@ fn expected(table: &'static str, phase: PhaseName, input: Input, holds: &[Hold])
     let moves = moves.contains(&input);
     let recorded = [Input::Safe, Input::Danger, Input::TemperatureOk, Input::TemperatureTooHigh, Input::Reading, Input::Reset];
     let recorded = recorded.contains(&input)
-        || [Input::Acknowledge, Input::Strategy, Input::Unsure, Input::Close, Input::HandOver].contains(&input);
+        || [Input::Acknowledge, Input::Strategy, Input::Unsure, Input::Close, Input::HandOver].contains(&input)
+        || input == Input::OrderAreas;
     let repeat = input == Input::Safe && table == DECIDED;
     match holds {
         [] => meant(cell(table, phase, input, false), phase),
@@ -289,6 +290,7 @@ fn check_effects(before: &Engine, after: &Engine, input: Input, table: &str, pai
         Input::HandOver => {
             assert_eq!((&before.state.luggage, was), (&after.state.luggage, is), "{pair}: nothing follows from it")
         }
+        Input::OrderAreas => assert_eq!(*after.state.area_order, ["gate".into()], "{pair}"),
         Input::Acknowledge => assert!(after.state.alarms[0].acknowledged.is_some(), "{pair}"),
         Input::Reading | Input::SensorReading => assert!(after.world.thermometer.last.is_some(), "{pair}"),
         Input::RetakePhoto => assert_eq!(after.stage(), Some(Stage::RetakingPhoto(LuggageId(1))), "{pair}"),

@@ -5,7 +5,7 @@ use crate::hold::Hold;
 use crate::mission::Input;
 use crate::mission::rule::Act::{
     Acknowledge, AlarmUnrecorded, Archive, Clear, EmptyMap, EndRetrieval, HandOver, HearSensor, KeepBack, LedOff, NoteReading,
-    Raise, RecordUnsure, RecordVerdict, Release, Stop,
+    OrderAreas, Raise, RecordUnsure, RecordVerdict, Release, Stop,
 };
 use crate::mission::rule::Rule::{Go, RefuseIf, RefuseIfThen, When};
 use crate::mission::rule::To::{Interrupted, Phase, Stay};
@@ -100,6 +100,8 @@ const RESET: &[Rule] = &[
 const BUTTON_TOO_HIGH: &[Rule] = &[RefuseIfThen(Guard::StoreDown, &[Raise(Hold::TooHigh)]), Go(Stay, &[Raise(Hold::TooHigh)])];
 const READING: &[Rule] = &[RefuseIfThen(Guard::StoreDown, &[NoteReading]), Go(Stay, &[NoteReading])];
 const HAND_OVER: &[Rule] = &[RefuseIf(Guard::NoMission), RefuseIf(Guard::StoreDown), Go(Stay, &[HandOver])];
+/// Also in idle: the order holds for the next mission.
+const ORDER_AREAS: &[Rule] = &[RefuseIf(Guard::UnknownArea), RefuseIf(Guard::StoreDown), Go(Stay, &[OrderAreas])];
 const ACKNOWLEDGE: &[Rule] = &[RefuseIf(Guard::UnknownAlarm), RefuseIf(Guard::StoreDown), Go(Stay, &[Acknowledge])];
 
 /// The rules of an input that raises a hold. If the input ends a drive by hand during a mission, the hold `operator`
@@ -137,6 +139,7 @@ pub(in crate::mission) const fn row(input: Input) -> InputRow {
         Input::SensorReading => Everywhere(&[RefuseIf(Guard::UnknownSensor), Go(Stay, &[HearSensor])]),
         Input::Reset => Everywhere(RESET),
         Input::HandOver => Everywhere(HAND_OVER),
+        Input::OrderAreas => Everywhere(ORDER_AREAS),
         Input::Acknowledge => Everywhere(ACKNOWLEDGE),
         Input::LinkUp => Everywhere(&[Go(Stay, &[Clear(Hold::RobotLink)])]),
         Input::Cool => Everywhere(&[Go(Stay, &[Clear(Hold::Temperature)])]),

@@ -315,6 +315,7 @@ fn class(fact: &Fact) -> Option<&'static str> {
         | Fact::Closed(_)
         | Fact::HandedOver { .. }
         | Fact::SearchAgain(_)
+        | Fact::AreasOrdered(_)
         | Fact::Retrieval(_) => {
             return None;
         }
