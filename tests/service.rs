@@ -6,6 +6,8 @@
 mod access;
 #[path = "service/archives.rs"]
 mod archives;
+#[path = "service/areas.rs"]
+mod areas;
 #[path = "service/bundles.rs"]
 mod bundles;
 #[path = "service/clock.rs"]

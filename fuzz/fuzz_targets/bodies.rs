@@ -3,7 +3,8 @@
 
 use hallsweep_core::command::LuggageRef;
 use hallsweep_fuzz::api::command::{
-    AreaBody, CloseBody, EpochBody, GotoBody, HandOverBody, MoveBody, RetrieveBody, StrategyBody, TemperatureBody, Unusable, VerdictBody,
+    AreaBody, CloseAreaBody, CloseBody, EpochBody, GotoBody, HandOverBody, MoveBody, OrderAreasBody, RetrieveBody, StrategyBody,
+    TemperatureBody, Unusable, VerdictBody,
 };
 use hallsweep_fuzz::api::fields::{Body, Unread};
 
@@ -21,7 +22,9 @@ pub(crate) fn check<N: Notation>(bytes: &[u8]) {
     read::<N, RetrieveBody>(bytes).map(RetrieveBody::command);
     said(read::<N, CloseBody>(bytes).map(|body| body.command()));
     said(read::<N, HandOverBody>(bytes).map(|body| body.command()));
-    said(read::<N, AreaBody>(bytes).map(AreaBody::command));
+    read::<N, AreaBody>(bytes).map(AreaBody::command);
+    said(read::<N, OrderAreasBody>(bytes).map(|body| body.command()));
+    said(read::<N, CloseAreaBody>(bytes).map(|body| body.command()));
     said(read::<N, MoveBody>(bytes).map(|body| body.command()));
     said(read::<N, GotoBody>(bytes).map(GotoBody::command));
     said(read::<N, VerdictBody>(bytes).map(|body| body.command(LuggageRef::Pending)));

@@ -18,9 +18,9 @@ use hallsweep_core::command::{Command, CommandId, Hot, HotAnswer, LuggageRef, Mo
 use hallsweep_core::hand_over::HandOver;
 use hallsweep_core::units::{Cell, Celsius, Epoch, LuggageId, MissionId};
 use hallsweep_core::words::is_visible;
-use hallsweep_core::world::hall_map::{Bounds, REACH};
+use hallsweep_core::world::hall_map::REACH;
 
-pub use self::areas::{OrderAreasBody, order_areas};
+pub use self::areas::{AreaBody, CloseAreaBody, OrderAreasBody, close_area, order_areas, search_again, search_area_again};
 pub use super::fields::Unusable;
 
 /// Body of a command without arguments. The body may be absent.
@@ -96,27 +96,6 @@ pub struct GotoBody {
     /// Row, growing to the south.
     #[schemars(range(min = -REACH, max = REACH))]
     y: i64,
-    /// Epoch that the sender saw last. The command is refused if a stop has happened since then.
-    #[schemars(range(max = u64::MAX))]
-    epoch: Option<u64>,
-}
-
-/// Area that was searched, by two opposite corners, as `{"x":1,"y":1,"toX":4,"toY":3}`.
-#[derive(Clone, Copy, Debug, JsonSchema)]
-#[schemars(deny_unknown_fields, rename_all = "camelCase")]
-pub struct AreaBody {
-    /// Column of a corner, growing to the east.
-    #[schemars(range(min = -REACH, max = REACH))]
-    x: i64,
-    /// Row of this corner, growing to the south.
-    #[schemars(range(min = -REACH, max = REACH))]
-    y: i64,
-    /// Column of the opposite corner.
-    #[schemars(range(min = -REACH, max = REACH))]
-    to_x: i64,
-    /// Row of the opposite corner.
-    #[schemars(range(min = -REACH, max = REACH))]
-    to_y: i64,
     /// Epoch that the sender saw last. The command is refused if a stop has happened since then.
     #[schemars(range(max = u64::MAX))]
     epoch: Option<u64>,
@@ -278,16 +257,6 @@ impl Body for GotoBody {
     }
 }
 
-impl Body for AreaBody {
-    const FIELDS: &'static [&'static str] = &["x", "y", "toX", "toY", "epoch"];
-
-    fn taken(fields: &BodyFields) -> Result<AreaBody, Unusable> {
-        let side = |name| needed(fields.whole(name)?, name, "{\"x\":1,\"y\":1,\"toX\":4,\"toY\":3}");
-        let epoch = fields.count("epoch")?;
-        Ok(AreaBody { x: side("x")?, y: side("y")?, to_x: side("toX")?, to_y: side("toY")?, epoch })
-    }
-}
-
 impl Body for VerdictBody {
     const FIELDS: &'static [&'static str] = &["verdict", "note", "hidden", "obvious", "typical", "size"];
 
@@ -348,12 +317,6 @@ impl MoveBody {
 impl GotoBody {
     pub fn command(self) -> Result<(Command, Option<Epoch>), Unusable> {
         Ok((goto(self.x, self.y)?, self.epoch.map(Epoch)))
-    }
-}
-
-impl AreaBody {
-    pub fn command(self) -> Result<(Command, Option<Epoch>), Unusable> {
-        Ok((search_again((self.x, self.y), (self.to_x, self.to_y))?, self.epoch.map(Epoch)))
     }
 }
 
@@ -441,13 +404,17 @@ fn line(what: &str, text: &str) -> Result<Option<Note>, Unusable> {
 
 /// Reads the statement of the person in charge.
 pub fn close(name: &str, note_of: Option<&str>, open: &str) -> Result<Command, Unusable> {
-    let name = line("the name", name)?
-        .ok_or_else(|| Unusable("the name is empty: write the name of the person in charge".to_owned()))?;
+    let name = person(name)?;
     let length = open.chars().count();
     if length > OPEN_POINTS {
         return Err(Unusable(format!("openPoints has {length} characters: send the text of the refusal openPoints")));
     }
     Ok(Command::Close(Closing { name, note: note_of.map(note).transpose()?.flatten(), seen: open.into() }))
+}
+
+fn person(name: &str) -> Result<Note, Unusable> {
+    let empty = || Unusable("the name is empty: write the name of the person in charge".to_owned());
+    line("the name", name)?.ok_or_else(empty)
 }
 
 /// Reads to whom the mission is handed over.
@@ -521,11 +488,6 @@ pub fn move_word(word: &str) -> Result<Command, Unusable> {
 
 pub fn goto(x: i64, y: i64) -> Result<Command, Unusable> {
     cell(x, y).map(Command::Goto)
-}
-
-/// Reads an area from two opposite corners, in any order.
-pub fn search_again(one: (i64, i64), other: (i64, i64)) -> Result<Command, Unusable> {
-    Ok(Command::SearchAgain(Bounds::of(cell(one.0, one.1)?).including(cell(other.0, other.1)?)))
 }
 
 fn cell(x: i64, y: i64) -> Result<Cell, Unusable> {

@@ -3,7 +3,7 @@
 //! effect in the core. The fields of each command are in `command`; each door reads payloads in its own way.
 
 use super::command::{
-    AreaBody, CloseBody, EpochBody, GotoBody, HandOverBody, MoveBody, OrderAreasBody, RetrieveBody, StrategyBody,
+    AreaBody, CloseAreaBody, CloseBody, EpochBody, GotoBody, HandOverBody, MoveBody, OrderAreasBody, RetrieveBody, StrategyBody,
     TemperatureBody, VerdictBody,
 };
 use super::fields::{Body, Unusable};
@@ -23,6 +23,7 @@ pub enum CommandKind {
     HandOver,
     SearchAgain,
     OrderAreas,
+    CloseArea,
     Move,
     Goto,
     Verdict,
@@ -54,6 +55,7 @@ pub enum Takes {
     HandOver,
     Area,
     OrderAreas,
+    CloseArea,
     Move,
     Goto,
     Verdict,
@@ -92,7 +94,7 @@ const EPOCH: &[&str] = &[r#"{"epoch":4}"#];
 
 /// The doors and `docs/` list the commands in this order.
 #[rustfmt::skip]
-pub const COMMANDS: [CommandRow; 17] = [
+pub const COMMANDS: [CommandRow; 18] = [
     word("start", "/commands/start", "begin or resume the mission", CommandKind::Start, EPOCH),
     CommandRow { need: Need::Stop, takes: Takes::Nothing, ..word("stop", "/commands/stop", "halt the robot", CommandKind::Stop, &[]) },
     word("backHome", "/commands/backHome", "go home and wait", CommandKind::BackHome, EPOCH),
@@ -105,9 +107,11 @@ pub const COMMANDS: [CommandRow; 17] = [
     CommandRow { takes: Takes::HandOver, ..word("handOver", "/commands/handOver", "hand the mission over", CommandKind::HandOver,
         &[r#"{"to":"Inspector Bianchi","mission":7}"#, r#"{"to":"court","note":"with the photos"}"#]) },
     CommandRow { takes: Takes::Area, ..word("searchAgain", "/commands/searchAgain", "search an area again", CommandKind::SearchAgain,
-        &[r#"{"x":1,"y":1,"toX":4,"toY":3}"#]) },
+        &[r#"{"x":1,"y":1,"toX":4,"toY":3}"#, r#"{"area":"gate 1"}"#]) },
     CommandRow { takes: Takes::OrderAreas, ..word("orderAreas", "/commands/orderAreas", "choose which areas come first", CommandKind::OrderAreas,
         &[r#"{"areas":["gate 1","gate 2"]}"#, r#"{"areas":[]}"#]) },
+    CommandRow { takes: Takes::CloseArea, ..word("closeArea", "/commands/closeArea", "state that the search of an area is over", CommandKind::CloseArea,
+        &[r#"{"area":"gate 1","name":"Anna Rossi"}"#]) },
     CommandRow { need: Need::Stop, takes: Takes::Move, ..word("move", "/commands/move", "move once by hand", CommandKind::Move,
         &[r#"{"move":"w"}"#, r#"{"move":"h"}"#]) },
     CommandRow { takes: Takes::Goto, ..word("goto", "/commands/goto", "drive to a cell", CommandKind::Goto, &[r#"{"x":1,"y":1}"#]) },
@@ -161,8 +165,9 @@ pub fn asked<P: Payload>(kind: CommandKind, number: u64, payload: &P) -> Result<
         CommandKind::Reset => with_epoch(Command::Reset),
         CommandKind::Close => Ok((payload.needed::<CloseBody>()?.command()?, None)),
         CommandKind::HandOver => Ok((payload.needed::<HandOverBody>()?.command()?, None)),
-        CommandKind::SearchAgain => Ok(payload.needed::<AreaBody>()?.command()?),
+        CommandKind::SearchAgain => Ok(payload.needed::<AreaBody>()?.command()),
         CommandKind::OrderAreas => Ok((payload.needed::<OrderAreasBody>()?.command()?, None)),
+        CommandKind::CloseArea => Ok((payload.needed::<CloseAreaBody>()?.command()?, None)),
         CommandKind::Move => Ok(payload.needed::<MoveBody>()?.command()?),
         CommandKind::Goto => Ok(payload.needed::<GotoBody>()?.command()?),
         CommandKind::Verdict => Ok((payload.needed::<VerdictBody>()?.command(luggage)?, None)),

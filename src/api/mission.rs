@@ -3,11 +3,11 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
-use super::journal::OpenShape;
+use super::journal::{OpenInAreaShape, OpenShape};
 use super::robot::PositionJson;
 use super::time::rfc3339;
 use super::vocabulary;
-use hallsweep_core::closing::Closed;
+use hallsweep_core::closing::{Closed, ClosedArea};
 use hallsweep_core::command::Strategy;
 use hallsweep_core::phase::FaultCause;
 use hallsweep_core::refused::Refused;
@@ -77,12 +77,36 @@ pub struct AreaJson {
     pub corners: Vec<PositionJson>,
     /// Place in the order that a person has given, from 1; null if the area comes after those with a place.
     pub order: Option<usize>,
+    /// Statement with which the area was closed, or null.
+    pub closed: Option<ClosedAreaJson>,
+}
+
+/// Statement of the person in charge that the search of an area is over.
+#[derive(Clone, Debug, PartialEq, Serialize, JsonSchema)]
+pub struct ClosedAreaJson {
+    /// Name of the person in charge.
+    pub name: String,
+    /// Name of the key, with the person's name in brackets if it is known.
+    pub by: String,
+    /// Time, RFC 3339 with zone.
+    pub at: String,
+    /// Remark, or null.
+    pub note: Option<String>,
+    /// What was left open.
+    pub open: OpenInAreaShape,
 }
 
 impl From<&AreaView> for AreaJson {
-    fn from(AreaView { area, order }: &AreaView) -> AreaJson {
+    fn from(AreaView { area, order, closed }: &AreaView) -> AreaJson {
         let corners = area.corners.iter().copied().map(PositionJson::from).collect();
-        AreaJson { name: area.name.to_string(), probability: area.probability, corners, order: *order }
+        let closed = closed.as_ref().map(|ClosedArea { who, name, note, open, wall }| ClosedAreaJson {
+            name: name.text().to_owned(),
+            by: who.to_string(),
+            at: rfc3339(*wall),
+            note: note.as_ref().map(|note| note.text().to_owned()),
+            open: (*open).into(),
+        });
+        AreaJson { name: area.name.to_string(), probability: area.probability, corners, order: *order, closed }
     }
 }
 

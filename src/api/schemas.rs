@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 
 use super::alarm::AlarmJson;
 use super::command::{
-    AreaBody, CloseBody, EpochBody, GotoBody, HandOverBody, MoveBody, OrderAreasBody, RetrieveBody, StrategyBody,
+    AreaBody, CloseAreaBody, CloseBody, EpochBody, GotoBody, HandOverBody, MoveBody, OrderAreasBody, RetrieveBody, StrategyBody,
     TemperatureBody, VerdictBody,
 };
 use super::commands::Takes;
@@ -77,6 +77,7 @@ impl Schemas {
             Takes::HandOver => self.taken::<HandOverBody>(),
             Takes::Area => self.taken::<AreaBody>(),
             Takes::OrderAreas => self.taken::<OrderAreasBody>(),
+            Takes::CloseArea => self.taken::<CloseAreaBody>(),
             Takes::Move => self.taken::<MoveBody>(),
             Takes::Goto => self.taken::<GotoBody>(),
             Takes::Verdict => self.taken::<VerdictBody>(),
@@ -153,6 +154,7 @@ mod tests {
         check::<AreaBody>();
         check::<HandOverBody>();
         check::<OrderAreasBody>();
+        check::<CloseAreaBody>();
         check::<VerdictBody>();
         check::<StrategyBody>();
         check::<TemperatureBody>();

@@ -122,6 +122,7 @@ pub(crate) fn refusals() -> Vec<Refused> {
         Refused::NothingSearched,
         Refused::AreaTooLarge(4096),
         Refused::UnknownArea(Arc::from("gate 3")),
+        Refused::AreaClosed(Arc::from("gate 1")),
         Refused::NoPhoto(piece),
         Refused::HotUnanswered(piece),
         Refused::NotInspected(piece),

@@ -219,7 +219,9 @@ fn a_viewer_sees_and_stops_and_does_nothing_else() {
     let refused = commands(&program, &viewer, "start");
     assert_eq!(refused.json()["code"], "notAllowed");
     assert!(refused.problem(403).contains("operator"));
-    commands(&program, &viewer, "retrieve").problem(403);
+    for command in ["retrieve", "orderAreas", "closeArea", "searchAgain"] {
+        commands(&program, &viewer, command).problem(403);
+    }
     commands(&program, &operator, "start").accepted();
     commands(&program, &viewer, "stop").accepted();
     let moved = |word: &str| {

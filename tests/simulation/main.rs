@@ -23,6 +23,7 @@ mod retrieval_alone;
 mod retrieval_faults;
 mod rules_again;
 mod rules_alarms;
+mod rules_areas;
 mod rules_closing;
 mod rules_commands;
 mod rules_coverage;

@@ -1,9 +1,11 @@
 //! Random commands at random moments in random halls: the rules hold whatever an operator does. A failure prints its
 //! seed.
 
+use std::sync::Arc;
 use std::time::Duration;
 
-use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Request, TemperatureReport, Verdict};
+use hallsweep_core::closing::AreaClosing;
+use hallsweep_core::command::{Again, Command, Door, Issuer, LuggageRef, Move, Note, Request, TemperatureReport, Verdict};
 use hallsweep_core::event::{Event, RobotEvent};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::phase::PhaseName;
@@ -20,6 +22,7 @@ use hallsweep_sim::{Hall, SimSettings, Truth};
 use crate::halls;
 use crate::operator::{Operator, sensor_reads};
 use crate::random_halls::in_turn;
+use crate::rules_areas::note_areas;
 
 #[test]
 fn whatever_the_operator_does_the_rules_hold_and_the_mission_can_be_brought_to_its_end() {
@@ -30,6 +33,8 @@ fn whatever_the_operator_does_the_rules_hold_and_the_mission_can_be_brought_to_i
         let mut watch = Watch { has_sonar: settings.sonar_cells > 0, ..Watch::default() };
         let sim = SimSettings { unknown_rate: 0.1, photo_failure_rate: 0.2, ..sim };
         let mut run = Run::new(hall.clone(), sim, settings, strategy);
+        let now = run.now();
+        note_areas(&mut run.engine, now);
         for _ in 0..120 {
             let command = any_command(&mut dice, &mut run);
             give_and_check(&mut run, &mut watch, &hall, command, seed);
@@ -78,10 +83,21 @@ pub(crate) fn any_command(dice: &mut RandomStream, run: &mut Run) -> Command {
     }
 }
 
+/// A command about an area: by two corners, or by the name of one of `note_areas`.
 pub(crate) fn any_area(dice: &mut RandomStream) -> Command {
+    let area: Arc<str> = ["west", "east"][dice.below(2) as usize].into();
+    match dice.below(6) {
+        0 => return Command::OrderAreas(Arc::from([area])),
+        1 => {
+            let name = Note::new("Rossi").unwrap();
+            return Command::CloseArea(AreaClosing { area, name, note: None, mission: None });
+        }
+        2 => return Command::SearchAgain(Again::Area(area)),
+        _ => {}
+    }
     let least = Cell::new(dice.below(9) as i32 - 1, dice.below(9) as i32 - 1);
     let most = Cell::new(least.x + dice.below(6) as i32, least.y + dice.below(6) as i32);
-    Command::SearchAgain(Bounds { least, most })
+    Command::SearchAgain(Again::Within(Bounds { least, most }))
 }
 
 /// State that is checked from one moment to the next.
@@ -149,8 +165,13 @@ fn give_and_check(run: &mut Run, watch: &mut Watch, hall: &Hall, command: Comman
     if result.is_ok() {
         watch.waits = after.mission.holds.contains(&Hold::AwaitingStart);
         // A drive by hand or round a piece may show more of the hall, and other commands forget the goal.
-        let is_drive = matches!(command, Command::Move(_) | Command::Goto(_) | Command::Unsure { .. } | Command::SearchAgain(_));
-        if is_drive || matches!(command, Command::Reset | Command::ChooseStrategy(_)) || after.mission.id != before.mission.id {
+        let is_drive = matches!(command, Command::Move(_) | Command::Goto(_) | Command::Unsure { .. });
+        let is_of_area = matches!(command, Command::SearchAgain(_) | Command::OrderAreas(_) | Command::CloseArea(_));
+        if is_drive
+            || is_of_area
+            || matches!(command, Command::Reset | Command::ChooseStrategy(_))
+            || after.mission.id != before.mission.id
+        {
             watch.goal = None;
         }
     }
@@ -208,7 +229,9 @@ fn bring_to_the_end(run: &mut Run, seed: u64) {
         let state = run.state();
         match state.mission.phase {
             PhaseName::Explored | PhaseName::BombLocated => {
-                assert!(state.robot.pose.cell == Cell::HOME && !run.sim.led(), "seed {seed}: ended away from home or blinking");
+                // After a find the LED blinks while cells are to be searched again.
+                let is_over = !run.sim.led() || !state.mission.again.is_empty();
+                assert!(state.robot.pose.cell == Cell::HOME && is_over, "seed {seed}: ended away from home or blinking");
                 return;
             }
             _ => {}

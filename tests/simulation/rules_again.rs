@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
-use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Request, Strategy, Verdict};
+use hallsweep_core::command::{Again, Command, Door, Issuer, LuggageRef, Request, Strategy, Verdict};
 use hallsweep_core::phase::PhaseName;
 use hallsweep_core::refused::Refused;
 use hallsweep_core::settings::{AfterDanger, Rules, Settings};
@@ -16,7 +16,7 @@ use crate::mortal::Mortal;
 use crate::operator::{Operator, in_drawn};
 
 fn again(least: (i32, i32), most: (i32, i32)) -> Command {
-    Command::SearchAgain(Bounds { least: Cell::new(least.0, least.1), most: Cell::new(most.0, most.1) })
+    Command::SearchAgain(Again::Within(Bounds { least: Cell::new(least.0, least.1), most: Cell::new(most.0, most.1) }))
 }
 
 fn drawn(rows: &[&str]) -> Arc<Hall> {

@@ -88,7 +88,7 @@ fn now(walk: &Walk, strategy: Strategy) -> Option<Forecast> {
     if cells < FEW {
         return None;
     }
-    forecast(&walk.grid, strategy, walk.pose.cell, walk.cost() / f64::from(cells))
+    forecast(&walk.grid, strategy, walk.pose.cell, walk.cost() / f64::from(cells), 0)
 }
 
 impl Sums {

@@ -10,8 +10,8 @@ use super::names::{self, Step};
 use super::places::{AreaShape, Point};
 use super::{Unparsed, earlier};
 use hallsweep_core::asked::Asked;
-use hallsweep_core::closing::Closing;
-use hallsweep_core::command::{Carries, Command, Hot, LuggageRef, Note, TemperatureReport};
+use hallsweep_core::closing::{AreaClosing, Closing};
+use hallsweep_core::command::{Again, Carries, Command, Hot, LuggageRef, Note, TemperatureReport};
 use hallsweep_core::hand_over::HandOver;
 use hallsweep_core::simulated::{Change, Simulated};
 use hallsweep_core::speed::Speed;
@@ -82,8 +82,13 @@ fn of_command(command: &Command) -> Coded {
             let mission = mission.map(|mission| mission.0);
             Coded::new(code, json!({ "mission": mission, "to": to.text(), "note": note.as_ref().map(Note::text) }))
         }
-        Carries::Area(area) => Coded::new(code, json!({ "area": AreaShape::from(area) })),
+        Carries::Again(Again::Within(bounds)) => Coded::new(code, json!({ "area": AreaShape::from(*bounds) })),
+        Carries::Again(Again::Area(name)) => Coded::new(code, json!({ "area": &**name })),
         Carries::Areas(names) => Coded::new(code, json!({ "areas": names.iter().map(|name| &**name).collect::<Vec<_>>() })),
+        Carries::AreaClosing(AreaClosing { area, name, note, mission }) => {
+            let (mission, note) = (mission.map(|mission| mission.0), note.as_ref().map(Note::text));
+            Coded::new(code, json!({ "area": &**area, "name": name.text(), "note": note, "mission": mission }))
+        }
         Carries::Unsure(luggage, note, hot) => Coded::new(code, answer(luggage, note, hot)),
         Carries::Strategy(strategy) => Coded::new(code, json!({ "strategy": strategy.name() })),
         Carries::Temperature(TemperatureReport::Ok) => Coded::bare("temperatureOk"),
@@ -147,8 +152,18 @@ fn command(coded: &Coded) -> Result<Command, Unparsed> {
             let (to, note) = (names::name(coded.field("to")?)?, names::note(coded.field("note")?)?);
             Command::HandOver(HandOver { mission, to, note })
         }
-        "searchAgain" => Command::SearchAgain(coded.field::<AreaShape>("area")?.into()),
+        "searchAgain" => {
+            let Value::String(name) = coded.field("area")? else {
+                return Ok(Command::SearchAgain(Again::Within(coded.field::<AreaShape>("area")?.into())));
+            };
+            Command::SearchAgain(Again::Area(names::area(name)?))
+        }
         "orderAreas" => Command::OrderAreas(names::areas(coded.field("areas")?)?),
+        "closeArea" => {
+            let mission = coded.field::<Option<u64>>("mission")?.map(MissionId);
+            let (area, name) = (names::area(coded.field("area")?)?, names::name(coded.field("name")?)?);
+            Command::CloseArea(AreaClosing { area, name, note: names::note(coded.field("note")?)?, mission })
+        }
         "retake" => Command::RetakePhoto(LuggageId(coded.field("luggage")?)),
         "acknowledge" => Command::Acknowledge(AlarmId(coded.field("alarm")?)),
         "strategy" => Command::ChooseStrategy(names::strategy(&coded.field::<String>("strategy")?)?),

@@ -1,11 +1,13 @@
 //! The statement of the person in charge in the journal. What was left open has the same shape in the interface.
 
+use std::sync::Arc;
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::places::Moment;
 use super::{Unparsed, names};
-use hallsweep_core::closing::{Closed, OpenPoints};
+use hallsweep_core::closing::{Closed, ClosedArea, OpenInArea, OpenPoints};
 
 #[derive(Serialize, Deserialize)]
 pub(super) struct ClosedShape {
@@ -15,6 +17,28 @@ pub(super) struct ClosedShape {
     note: Option<String>,
     open: OpenShape,
     when: Moment,
+}
+
+/// An area that was closed.
+#[derive(Serialize, Deserialize)]
+pub(super) struct ClosedAreaShape {
+    area: String,
+    who: String,
+    name: String,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    note: Option<String>,
+    open: OpenInAreaShape,
+    when: Moment,
+}
+
+/// Numbers of what is open in an area.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[schemars(rename = "OpenInArea")]
+pub struct OpenInAreaShape {
+    /// Number of cells that were not searched, or were to be searched again.
+    cells: usize,
+    /// Number of pieces without a verdict.
+    pending: usize,
 }
 
 /// Numbers of open points.
@@ -50,6 +74,26 @@ impl ClosedShape {
     pub(super) fn closed(self) -> Result<Closed, Unparsed> {
         let (name, note, open) = (names::name(self.name)?, names::note(self.note)?, self.open.into());
         Ok(Closed { who: self.who.into(), name, note, open, wall: self.when.into() })
+    }
+}
+
+impl ClosedAreaShape {
+    pub(super) fn of(area: &str, ClosedArea { who, name, note, open, wall }: &ClosedArea) -> ClosedAreaShape {
+        let (name, note) = (name.text().to_owned(), note.as_ref().map(|note| note.text().to_owned()));
+        let (area, who) = (area.to_owned(), who.to_string());
+        ClosedAreaShape { area, who, name, note, open: (*open).into(), when: (*wall).into() }
+    }
+
+    pub(super) fn closed(self) -> Result<(Arc<str>, ClosedArea), Unparsed> {
+        let (name, note) = (names::name(self.name)?, names::note(self.note)?);
+        let open = OpenInArea { cells: self.open.cells, pending: self.open.pending };
+        Ok((names::area(self.area)?, ClosedArea { who: self.who.into(), name, note, open, wall: self.when.into() }))
+    }
+}
+
+impl From<OpenInArea> for OpenInAreaShape {
+    fn from(OpenInArea { cells, pending }: OpenInArea) -> OpenInAreaShape {
+        OpenInAreaShape { cells, pending }
     }
 }
 

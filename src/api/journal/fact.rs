@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::closing::ClosedShape;
+use super::closing::{ClosedAreaShape, ClosedShape};
 use super::coded::{CodeOrSentence, Coded, Form};
 use super::conditions::ConditionsShape;
 use super::luggage::{HotShape, JudgementShape, LuggageShape};
 use super::names::SearchShape;
 use super::phase::PhaseShape;
-use super::places::{AreaShape, GoalShape, PoseShape};
+use super::places::{AgainShape, GoalShape, PoseShape};
 use super::retrieval::RetrievalShape;
 use super::standing::StandingShape;
 use super::{Picture, Unparsed, map, names, places, refused, retrieval};
@@ -151,12 +151,14 @@ pub(super) enum Shape {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         note: Option<String>,
     },
-    /// The searched cells of this area are to be searched again.
-    SearchAgain(AreaShape),
+    /// These searched cells are to be searched again. A closed area is open again.
+    SearchAgain(AgainShape),
     /// The names of the areas that are searched first.
     AreasOrdered {
         areas: Vec<String>,
     },
+    /// The person in charge has closed an area.
+    AreaClosed(ClosedAreaShape),
     Temperature {
         source: String,
         celsius: f64,
@@ -229,6 +231,7 @@ pub const fn kind(fact: &Fact) -> &'static str {
         Fact::HandedOver { .. } => "handedOver",
         Fact::SearchAgain(_) => "searchAgain",
         Fact::AreasOrdered(_) => "areasOrdered",
+        Fact::AreaClosed(..) => "areaClosed",
         Fact::Temperature(..) => "temperature",
         Fact::ThermometerSilent(_) => "thermometerSilent",
         Fact::AlarmRaised(..) => "alarmRaised",
@@ -306,8 +309,9 @@ impl Shape {
                 to: to.text().to_owned(),
                 note: note.as_ref().map(|note| note.text().to_owned()),
             },
-            Fact::SearchAgain(area) => Shape::SearchAgain((*area).into()),
+            Fact::SearchAgain(again) => Shape::SearchAgain(again.into()),
             Fact::AreasOrdered(order) => Shape::AreasOrdered { areas: order.iter().map(ToString::to_string).collect() },
+            Fact::AreaClosed(area, closed) => Shape::AreaClosed(ClosedAreaShape::of(area, closed)),
             Fact::Temperature(source, celsius) => Shape::Temperature { source: source.to_string(), celsius: celsius.degrees() },
             Fact::ThermometerSilent(source) => Shape::ThermometerSilent { source: source.to_string() },
             Fact::AlarmRaised(alarm, luggage, cause) => {
@@ -376,8 +380,12 @@ impl Shape {
             Shape::HandedOver { who, to, note } => {
                 Fact::HandedOver { who: who.into(), to: names::name(to)?, note: names::note(note)? }
             }
-            Shape::SearchAgain(area) => Fact::SearchAgain(area.into()),
+            Shape::SearchAgain(again) => Fact::SearchAgain(again.again()?),
             Shape::AreasOrdered { areas } => Fact::AreasOrdered(names::areas(areas)?),
+            Shape::AreaClosed(closed) => {
+                let (area, closed) = closed.closed()?;
+                Fact::AreaClosed(area, Box::new(closed))
+            }
             Shape::Temperature { source, celsius } => Fact::Temperature(source.into(), names::celsius(celsius)?),
             Shape::ThermometerSilent { source } => Fact::ThermometerSilent(source.into()),
             Shape::AlarmRaised { alarm, luggage, text } => {

@@ -31,7 +31,7 @@ mod team;
 #[cfg(test)]
 pub(crate) mod tests;
 
-pub use closing::OpenShape;
+pub use closing::{OpenInAreaShape, OpenShape};
 pub use conditions::ConditionsShape;
 pub use fact::kind;
 pub use luggage::{read_answers, written_answers, written_decision, written_doubt, written_judgement};

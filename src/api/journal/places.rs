@@ -6,6 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize};
 
 use super::{Unparsed, names};
 use crate::api::time::rfc3339;
+use hallsweep_core::command::Again;
 use hallsweep_core::search::Goal;
 use hallsweep_core::units::{Cell, Pose, WallTime};
 use hallsweep_core::world::hall_map::{Bounds, REACH};
@@ -33,6 +34,14 @@ pub(super) struct AreaShape {
     to_x: i32,
     #[serde(deserialize_with = "side")]
     to_y: i32,
+}
+
+/// Cells that are to be searched again: between two corners, or the area of this name.
+#[derive(Serialize, Deserialize)]
+#[serde(untagged)]
+pub(super) enum AgainShape {
+    Within(AreaShape),
+    Area { area: String },
 }
 
 #[derive(Serialize, Deserialize)]
@@ -70,6 +79,24 @@ impl From<Cell> for Point {
 impl From<Point> for Cell {
     fn from(Point { x, y }: Point) -> Cell {
         Cell { x, y }
+    }
+}
+
+impl From<&Again> for AgainShape {
+    fn from(again: &Again) -> AgainShape {
+        match again {
+            Again::Within(bounds) => AgainShape::Within((*bounds).into()),
+            Again::Area(name) => AgainShape::Area { area: name.to_string() },
+        }
+    }
+}
+
+impl AgainShape {
+    pub(super) fn again(self) -> Result<Again, Unparsed> {
+        match self {
+            AgainShape::Within(area) => Ok(Again::Within(area.into())),
+            AgainShape::Area { area } => names::area(area).map(Again::Area),
+        }
     }
 }
 

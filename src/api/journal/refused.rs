@@ -37,7 +37,7 @@ pub(super) fn written(refused: &Refused, form: Form) -> Coded {
         Refused::OpenPoints { mission, open } => json!({ "mission": mission.0, "open": OpenShape::from(**open) }),
         Refused::OtherMission(mission) => json!({ "mission": mission.0 }),
         Refused::AreaTooLarge(most) => json!({ "most": most }),
-        Refused::UnknownArea(area) => json!({ "area": &**area }),
+        Refused::UnknownArea(area) | Refused::AreaClosed(area) => json!({ "area": &**area }),
         Refused::UnknownSensor(sensor) => json!({ "sensor": &**sensor }),
         Refused::NotAllowed(_) | Refused::InWords(_) => json!({ "words": refused.to_string() }),
         Refused::SentBefore
@@ -108,6 +108,7 @@ fn value(coded: &Coded) -> Result<Refused, Unparsed> {
         "nothingSearched" => Refused::NothingSearched,
         "areaTooLarge" => Refused::AreaTooLarge(coded.field("most")?),
         "unknownArea" => Refused::UnknownArea(names::area(coded.field("area")?)?),
+        "areaClosed" => Refused::AreaClosed(names::area(coded.field("area")?)?),
         "faultStands" => Refused::FaultStands(coded.field::<CauseShape>("fault")?.cause()?),
         "storeDown" => Refused::StoreDown,
         "notKept" => Refused::NotKept,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::closing::ClosedShape;
+use super::closing::{ClosedAreaShape, ClosedShape};
 use super::coded::Form;
 use super::conditions::ConditionsShape;
 use super::coverage::CoverageShape;
@@ -61,6 +61,8 @@ pub(super) struct StandingShape {
     closed: Option<ClosedShape>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     area_order: Vec<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    closed_areas: Vec<ClosedAreaShape>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     conditions: Option<ConditionsShape>,
     #[serde(default, skip_serializing_if = "is_zero")]
@@ -96,6 +98,7 @@ impl StandingShape {
             reading: state.reading.map(hallsweep_core::units::Celsius::degrees),
             closed: state.closed.as_deref().map(ClosedShape::from),
             area_order: state.area_order.iter().map(ToString::to_string).collect(),
+            closed_areas: state.closed_areas.iter().map(|(area, closed)| ClosedAreaShape::of(area, closed)).collect(),
             conditions: state.conditions.as_ref().map(ConditionsShape::from),
             clock_set_ms: state.clock_set_ms,
         }
@@ -133,6 +136,7 @@ impl StandingShape {
             reading: self.reading.map(names::celsius).transpose()?,
             closed: self.closed.map(ClosedShape::closed).transpose()?.map(Arc::new),
             area_order: names::areas(self.area_order)?,
+            closed_areas: self.closed_areas.into_iter().map(ClosedAreaShape::closed).collect::<Result<_, _>>().map(Arc::new)?,
             conditions: self.conditions.map(ConditionsShape::conditions).transpose()?,
             clock_set_ms: self.clock_set_ms,
         })

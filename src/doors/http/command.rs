@@ -137,7 +137,8 @@ mod tests {
     use super::*;
     use crate::api::tests::fixture::searching;
     use hallsweep_core::bomb_size::BombSize;
-    use hallsweep_core::closing::Closing;
+    use hallsweep_core::closing::{AreaClosing, Closing};
+    use hallsweep_core::command::Again;
     use hallsweep_core::command::{Hot, HotAnswer, LuggageRef, Move, Note, TemperatureReport, Verdict};
     use hallsweep_core::hand_over::HandOver;
     use hallsweep_core::refused::Refused;
@@ -178,6 +179,12 @@ mod tests {
             to: Note::new("Inspector Bianchi").unwrap(),
             note: Note::new("with the photos"),
         };
+        let closing_area = AreaClosing {
+            area: "gate 1".into(),
+            name: Note::new("Rossi").unwrap(),
+            note: Note::new("searched twice"),
+            mission: Some(MissionId(7)),
+        };
         let area = Bounds { least: Cell::new(1, -1), most: Cell::new(3, 4) };
         let unsure = Command::Unsure {
             luggage: LuggageRef::Id(LuggageId(3)),
@@ -200,12 +207,19 @@ mod tests {
                 r#"{"to":" Inspector Bianchi","note":"with the photos","mission":7}"#,
                 Command::HandOver(hand_over),
             ),
-            ("POST", "/commands/searchAgain", r#"{"x":3,"y":-1,"toX":1,"toY":4}"#, Command::SearchAgain(area)),
+            ("POST", "/commands/searchAgain", r#"{"x":3,"y":-1,"toX":1,"toY":4}"#, Command::SearchAgain(Again::Within(area))),
+            ("POST", "/commands/searchAgain", r#"{"area":"gate 1"}"#, Command::SearchAgain(Again::Area("gate 1".into()))),
             (
                 "POST",
                 "/commands/orderAreas",
                 r#"{"areas":["gate 2","gate 1"]}"#,
                 Command::OrderAreas(["gate 2".into(), "gate 1".into()].into()),
+            ),
+            (
+                "POST",
+                "/commands/closeArea",
+                r#"{"area":"gate 1","name":" Rossi ","note":"searched twice","mission":7}"#,
+                Command::CloseArea(closing_area),
             ),
             ("POST", "/commands/move", r#"{"move":"w"}"#, Command::Move(Move::Forward)),
             ("POST", "/commands/move", r#"{"move":"h"}"#, Command::Stop),
@@ -275,6 +289,9 @@ mod tests {
             ("POST", "/commands/searchAgain", r#"{"x":1,"y":1,"toX":2,"toY":8193}"#, 422),
             ("POST", "/commands/searchAgain", r#"{"x":1,"y":1,"toX":2,"toY":2.5}"#, 422),
             ("POST", "/commands/searchAgain", r#"{"x":1,"y":1,"toX":2,"toY":2,"area":"bar"}"#, 422),
+            ("POST", "/commands/searchAgain", r#"{"x":1,"y":1,"toX":2,"area":null}"#, 422),
+            ("POST", "/commands/searchAgain", r#"{"area":" gate"}"#, 422),
+            ("POST", "/commands/searchAgain", r#"{"area":["gate"]}"#, 422),
             ("POST", "/commands/orderAreas", "", 400),
             ("POST", "/commands/orderAreas", "[]", 422),
             ("POST", "/commands/orderAreas", "{}", 422),
@@ -291,6 +308,16 @@ mod tests {
             ("POST", "/commands/orderAreas", r#"{"areas":[],"epoch":1}"#, 422),
             ("POST", "/commands/orderAreas", &names(65), 422),
             ("POST", "/commands/orderAreas", &names(10_000), 413),
+            ("POST", "/commands/closeArea", "", 400),
+            ("POST", "/commands/closeArea", r#"{"area":"gate 1"}"#, 422),
+            ("POST", "/commands/closeArea", r#"{"name":"Rossi"}"#, 422),
+            ("POST", "/commands/closeArea", r#"{"area":"","name":"Rossi"}"#, 422),
+            ("POST", "/commands/closeArea", r#"{"area":"gate\u001b[31m","name":"Rossi"}"#, 422),
+            ("POST", "/commands/closeArea", r#"{"area":"gate 1","name":" "}"#, 422),
+            ("POST", "/commands/closeArea", r#"{"area":"gate 1","name":"Ro\u2028ssi"}"#, 422),
+            ("POST", "/commands/closeArea", r#"{"area":"gate 1","name":"Rossi","note":7}"#, 422),
+            ("POST", "/commands/closeArea", r#"{"area":["gate 1"],"name":"Rossi"}"#, 422),
+            ("POST", "/commands/closeArea", r#"{"area":"gate 1","name":"Rossi","mission":-1}"#, 422),
             ("POST", "/commands/close", r#"{"openPoints":"1:0"}"#, 422),
             ("POST", "/commands/close", r#"{"name":" "}"#, 422),
             ("POST", "/commands/close", r#"{"name":"a\u202eb"}"#, 422),

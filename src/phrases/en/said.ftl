@@ -105,6 +105,7 @@ refused-otherMission = mission { $mission } is under way now: look again, then n
 refused-exerciseOver = the test pieces of this exercise are known by now: start hallsweep again for another exercise
 refused-nothingSearched = no searched cell lies in this area: name two corners of an area that the robot has searched
 refused-unknownArea = the hall has no area { $area }: name one of its areas
+refused-areaClosed = the area { $area } is closed already: to open it, search it again
 refused-areaTooLarge = too many cells: at most { $most } can wait to be searched again
 refused-nothingPending = no luggage waits for a verdict
 refused-decided = luggage #{ $id } was already found { $verdict }: a verdict is final

@@ -105,6 +105,7 @@ refused-otherMission = ora è in corso la missione { $mission }: guardare di nuo
 refused-exerciseOver = i bagagli di prova di questa esercitazione sono ormai noti: avviare di nuovo hallsweep per un’altra esercitazione
 refused-nothingSearched = in quest’area non c’è alcuna cella esplorata: indicare due angoli di un’area che il robot ha esplorato
 refused-unknownArea = la sala non ha un’area { $area }: indicare una delle sue aree
+refused-areaClosed = l’area { $area } è già chiusa: per riaprirla, riesplorarla
 refused-areaTooLarge = troppe celle: al massimo { $most } possono attendere di essere riesplorate
 refused-nothingPending = nessun bagaglio attende un verdetto
 refused-decided = il bagaglio #{ $id } è già stato giudicato ({ $verdict }): un verdetto è definitivo

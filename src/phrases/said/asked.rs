@@ -3,8 +3,8 @@
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::asked::Asked;
 use hallsweep_core::bomb_size::BombSize;
-use hallsweep_core::closing::Closing;
-use hallsweep_core::command::{Carries, Command, Door, Hot, Issuer, Move, Note, TemperatureReport, Verdict};
+use hallsweep_core::closing::{AreaClosing, Closing};
+use hallsweep_core::command::{Again, Carries, Command, Door, Hot, Issuer, Move, Note, TemperatureReport, Verdict};
 use hallsweep_core::hand_over::HandOver;
 use hallsweep_core::units::{Celsius, LuggageId};
 
@@ -57,8 +57,13 @@ impl Language {
             Carries::HandOver(HandOver { to, note, .. }) => {
                 return self.with_remarks(named.with("to", to).to_string(), Hot::NONE, note.as_ref());
             }
-            Carries::Area(area) => named.with("from", area.least).with("to", area.most),
+            Carries::Again(Again::Within(bounds)) => named.with("from", bounds.least).with("to", bounds.most),
+            Carries::Again(Again::Area(area)) => self.say("asked-area-again").with("area", area),
             Carries::Areas(names) => return self.area_order(names),
+            Carries::AreaClosing(AreaClosing { area, name, note, .. }) => {
+                let said = named.with("area", area).with("name", name).to_string();
+                return self.with_remarks(said, Hot::NONE, note.as_ref());
+            }
             Carries::Unsure(luggage, note, hot) => return self.answer_given(&named, luggage.or(meant), note, hot),
             Carries::Strategy(strategy) => named.with("strategy", self.say_of("strategy", strategy.name())),
             Carries::Temperature(TemperatureReport::Ok) => self.say("asked-ok"),

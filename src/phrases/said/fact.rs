@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use crate::phrases::{Language, Phrase};
-use hallsweep_core::closing::{Closed, OpenPoints};
-use hallsweep_core::command::{Hot, Note, Verdict};
+use hallsweep_core::closing::{Closed, ClosedArea, OpenInArea, OpenPoints};
+use hallsweep_core::command::{Again, Hot, Note, Verdict};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::refused::Refused;
 use hallsweep_core::settings::{AfterDanger, HotRule, Rules, SafeBy};
@@ -121,9 +121,10 @@ impl Language {
                 self.say(if *is_test { "fact-test-piece" } else { "fact-no-test-piece" }).with("id", luggage)
             }
             Fact::Closed(closed) => return self.closed(closed),
-            Fact::SearchAgain(area) => self.say("fact-search-again").with("from", area.least).with("to", area.most),
             Fact::HandedOver { who, to, note } => return self.handed_over(who, to, note.as_ref()),
+            Fact::SearchAgain(again) => return self.searched_again(again),
             Fact::AreasOrdered(order) => return self.area_order(order),
+            Fact::AreaClosed(area, closed) => return self.closed_area(area, closed),
             Fact::Temperature(source, celsius) => {
                 self.say("fact-temperature").with("celsius", self.celsius(*celsius)).with("source", source)
             }
@@ -177,12 +178,31 @@ impl Language {
         self.with_remarks(said, Hot::NONE, note)
     }
 
+    fn searched_again(self, again: &Again) -> String {
+        let said = match again {
+            Again::Within(bounds) => self.say("fact-search-again").with("from", bounds.least).with("to", bounds.most),
+            Again::Area(area) => self.say("fact-area-again").with("area", area),
+        };
+        said.to_string()
+    }
+
     /// Words for the order of the areas, also where somebody asks for it.
     pub(super) fn area_order(self, names: &[Arc<str>]) -> String {
         match names {
             [] => self.say("asked-areas-automatic").to_string(),
             _ => self.say("asked-orderAreas").with("areas", names.join(", ")).to_string(),
         }
+    }
+
+    /// Words for the statement with which an area was closed.
+    fn closed_area(self, area: &str, ClosedArea { who, name, note, open, .. }: &ClosedArea) -> String {
+        let said = self.say("fact-area-closed").with("area", area).with("name", name).with("who", who).to_string();
+        let said = self.with_remarks(said, Hot::NONE, note.as_ref());
+        self.say("fact-area-closed-open").with("closed", said).with("open", self.open_in_area(*open)).to_string()
+    }
+
+    pub fn open_in_area(self, OpenInArea { cells, pending }: OpenInArea) -> String {
+        self.say("open-in-area").with("cells", cells).with("pending", pending).to_string()
     }
 
     /// Words for the statement with which a mission was closed.

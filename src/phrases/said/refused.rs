@@ -43,7 +43,7 @@ impl Language {
             }
             Refused::OtherMission(mission) => say().with("mission", mission),
             Refused::AreaTooLarge(most) => say().with("most", most),
-            Refused::UnknownArea(area) => say().with("area", format!("{area:?}")),
+            Refused::UnknownArea(area) | Refused::AreaClosed(area) => say().with("area", format!("{area:?}")),
             Refused::OtherContent(id) => say().with("id", id.text()),
             Refused::UnknownSensor(sensor) => say().with("sensor", format!("{sensor:?}")),
             Refused::NotAllowed(words) => say().with("detail", words),

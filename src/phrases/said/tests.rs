@@ -8,9 +8,9 @@ use crate::phrases::Language;
 use behaviour_trees::state::StateError;
 use hallsweep_core::asked::Asked;
 use hallsweep_core::bomb_size::BombSize;
-use hallsweep_core::closing::{Closed, Closing, OpenPoints};
+use hallsweep_core::closing::{AreaClosing, Closed, ClosedArea, Closing, OpenInArea, OpenPoints};
 use hallsweep_core::command::{
-    Command, Door, Hot, HotAnswer, Issuer, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict,
+    Again, Command, Door, Hot, HotAnswer, Issuer, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict,
 };
 use hallsweep_core::hand_over::HandOver;
 use hallsweep_core::hold::{Hold, HoldReason};
@@ -66,7 +66,8 @@ fn commands() {
         Command::Retrieve(None),
         Command::Reset,
         Command::Goto(CELL),
-        Command::SearchAgain(Bounds { least: Cell::HOME, most: CELL }),
+        Command::SearchAgain(Again::Within(Bounds { least: Cell::HOME, most: CELL })),
+        Command::SearchAgain(Again::Area("gate 1".into())),
         Command::OrderAreas([].into()),
         Command::OrderAreas(["gate 1".into(), "gate 2".into()].into()),
         Command::RetakePhoto(ID),
@@ -94,6 +95,8 @@ fn commands() {
         let closing = Closing { name: Note::new("Anna Rossi").unwrap(), note: note.clone(), seen: "7:1,0,0,0,0,0".into() };
         commands.push(Command::Close(closing));
         commands.push(Command::HandOver(HandOver { mission: None, to: Note::new("police").unwrap(), note: note.clone() }));
+        let (area, name) = ("gate 1".into(), Note::new("Anna Rossi").unwrap());
+        commands.push(Command::CloseArea(AreaClosing { area, name, note: note.clone(), mission: None }));
         commands.push(Command::Unsure { luggage, note, hot: Hot { typical: Some(HotAnswer::No), ..Hot::NONE } });
     }
     let many = Asked::Many { last: Box::new(Asked::Command(Command::Start)), more: 4 };
@@ -230,7 +233,7 @@ fn the_journal() {
         Fact::HandedOver { who: "anna".into(), to: Note::new("police").unwrap(), note: Note::new("copy") },
         Fact::Revealed { luggage: ID, is_test: true },
         Fact::Revealed { luggage: ID, is_test: false },
-        Fact::SearchAgain(Bounds { least: Cell::HOME, most: CELL }),
+        Fact::SearchAgain(Again::Within(Bounds { least: Cell::HOME, most: CELL })),
         closed(None, OpenPoints::default()),
         closed(
             Note::new("handed over"),
@@ -299,6 +302,22 @@ fn the_journal_says_where_it_is_and_what_left_it() {
             behind: Seq(4711),
             page: "5a".repeat(32),
         }),
+    ]);
+}
+
+#[test]
+fn the_journal_says_what_became_of_areas() {
+    let closed_area = |note| {
+        let (name, open) = (Note::new("Anna Rossi").unwrap(), OpenInArea { cells: 12, pending: 1 });
+        let closed = ClosedArea { who: "anna".into(), name, note, open, wall: WallTime::default() };
+        Fact::AreaClosed("gate 1".into(), Box::new(closed))
+    };
+    check_facts([
+        closed_area(None),
+        closed_area(Note::new("the police is there")),
+        Fact::SearchAgain(Again::Area("gate 1".into())),
+        Fact::AreasOrdered([].into()),
+        Fact::AreasOrdered(["gate 1".into(), "gate 2".into()].into()),
     ]);
 }
 

@@ -145,6 +145,7 @@ impl CountedFact {
             | Fact::HandedOver { .. }
             | Fact::SearchAgain(_)
             | Fact::AreasOrdered(_)
+            | Fact::AreaClosed(..)
             | Fact::Holds(_)
             | Fact::Epoch(_)
             | Fact::Goal(..)
@@ -191,8 +192,8 @@ mod tests {
     use std::sync::Arc;
 
     use super::*;
-    use hallsweep_core::closing::Closing;
-    use hallsweep_core::command::{Command, Door, Issuer, LuggageRef, Move, Note, Strategy, TemperatureReport};
+    use hallsweep_core::closing::{AreaClosing, Closing};
+    use hallsweep_core::command::{Again, Command, Door, Issuer, LuggageRef, Move, Note, Strategy, TemperatureReport};
     use hallsweep_core::engine::Engine;
     use hallsweep_core::event::Photo;
     use hallsweep_core::hand_over::HandOver;
@@ -327,7 +328,7 @@ mod tests {
         assert_eq!((figures.value("luggage_total"), figures.value("photos_total")), (3.0, 3.0));
     }
 
-    fn commands() -> [Command; 18] {
+    fn commands() -> [Command; 19] {
         [
             Command::Start,
             Command::Stop,
@@ -337,8 +338,14 @@ mod tests {
             Command::Reset,
             Command::Close(Closing { name: Note::new("Anna").expect("a sound name"), note: None, seen: "".into() }),
             Command::HandOver(HandOver { mission: None, to: Note::new("police").expect("a sound name"), note: None }),
-            Command::SearchAgain(Bounds::of(Cell::HOME)),
+            Command::SearchAgain(Again::Within(Bounds::of(Cell::HOME))),
             Command::OrderAreas(Default::default()),
+            Command::CloseArea(AreaClosing {
+                area: "gate".into(),
+                name: Note::new("Anna").expect("a sound name"),
+                note: None,
+                mission: None,
+            }),
             Command::Move(Move::Forward),
             Command::Goto(Cell::HOME),
             Command::Verdict { luggage: LuggageRef::Pending, verdict: Verdict::Safe, note: None, hot: Default::default() },
@@ -359,7 +366,7 @@ mod tests {
             let times = |outcome: &str| figures.value(&format!("commands_total{{command=\"{name}\",outcome=\"{outcome}\"}}"));
             assert_eq!((times("accepted"), times("refused")), (1.0, 2.0), "{name}");
         }
-        assert_eq!(figures.value("refusals_total{code=\"held\"}"), 36.0);
+        assert_eq!(figures.value("refusals_total{code=\"held\"}"), 38.0);
     }
 
     #[test]

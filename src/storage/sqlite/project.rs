@@ -70,6 +70,7 @@ pub(super) fn project(connection: &Connection, line: &Line) -> Result<(), Fault>
         | Fact::HandedOver { .. }
         | Fact::SearchAgain(_)
         | Fact::AreasOrdered(_)
+        | Fact::AreaClosed(..)
         | Fact::Temperature(..)
         | Fact::ThermometerSilent(_)
         | Fact::AlarmRaised(..)

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::Engine;
-use crate::closing::Closed;
+use crate::closing::{AreaClosing, Closed, ClosedArea};
 use crate::effect::Effect;
 use crate::hand_over::HandOver;
 use crate::hold::{Hold, HoldReason, Holds};
@@ -61,6 +61,7 @@ impl Engine {
             Act::HandOver => self.hand_over(context),
             Act::SearchAgain => self.search_again(context),
             Act::OrderAreas => self.order_areas(context),
+            Act::CloseArea => self.close_area(context),
             Act::RetryBlocked => self.retry_blocked(),
             Act::BeginRetrieval => self.begin_retrieval(context.luggage),
             Act::EndRetrieval => self.end_retrieval(),
@@ -318,14 +319,24 @@ impl Engine {
 
     /// Notes the searched cells of an area, and makes the robot choose its next goal among them.
     fn search_again(&mut self, context: &InputContext) {
-        let Some(area) = context.area else { return };
-        self.record(Fact::SearchAgain(area));
+        let Some(again) = &context.again else { return };
+        self.record(Fact::SearchAgain(again.clone()));
         self.set_goal(None, self.state.search.clone());
     }
 
     fn order_areas(&mut self, context: &InputContext) {
         let Some(order) = &context.area_order else { return };
         self.record_areas(Fact::AreasOrdered(Arc::clone(order)));
+    }
+
+    /// Records the end of the search of an area as the person in charge states it. Nothing waits for it.
+    fn close_area(&mut self, context: &InputContext) {
+        let (Some(AreaClosing { area, name, note, .. }), Some(issuer)) = (&context.area_closing, &context.issuer) else { return };
+        let Some(found) = self.state.area(area) else { return };
+        let (who, name, note) = (Arc::clone(&issuer.who), name.clone(), note.clone());
+        let open = found.open(&self.state.map, &self.state.again, &self.state.luggage);
+        let closed = ClosedArea { who, name, note, open, wall: self.now.wall };
+        self.record_areas(Fact::AreaClosed(Arc::clone(area), Box::new(closed)));
     }
 
     /// Records what a person decides about the areas. The robot finishes its present order, and the search then chooses

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::Engine;
-use crate::command::{Door, Move, Request, Verdict};
+use crate::command::{Again, Door, Move, Request, Verdict};
 use crate::hold::Hold;
 use crate::mission::{Act, Case, Guard, Input, InputContext, Rule, To, rules};
 use crate::phase::{FaultCause, PhaseName};
@@ -13,7 +13,7 @@ use crate::search::plan::after;
 use crate::settings::{AfterDanger, HotRule, SafeBy};
 use crate::state::{Inspection, PersistentState, Phase, Stage};
 use crate::units::{Cell, Epoch, LuggageId};
-use crate::world::hall_map::{Bounds, Mark};
+use crate::world::hall_map::Mark;
 
 const NO_KEY: &str = "safe and unsure need a key, because two judges answer, and CoAP has no keys: use the console, HTTP or MQTT";
 
@@ -71,10 +71,7 @@ impl Engine {
             Guard::Held => self.held(self.state.holds.standing_against_start()),
             Guard::ExerciseOver => forbids(self.is_exercise_begun(), Refused::ExerciseOver),
             Guard::NoMission if !self.state.under_way => Some(Refused::NotInPhase(phase.name())),
-            Guard::NoMission => {
-                let named = context.hand_over.as_ref().and_then(|hand_over| hand_over.mission);
-                forbids(named.is_some_and(|named| named != self.state.mission), Refused::OtherMission(self.state.mission))
-            }
+            Guard::NoMission => forbids(context.names_other_than(self.state.mission), Refused::OtherMission(self.state.mission)),
             Guard::NotInPhase => Some(Refused::NotInPhase(phase.name())),
             Guard::VerdictAwaited => self.verdict_awaited(phase, input).map(Refused::VerdictPending),
             Guard::VerdictPending => self.first_pending(false).map(Refused::VerdictPending),
@@ -149,8 +146,9 @@ impl Engine {
                 sensor.filter(|sensor| !self.watchdog.watches(sensor)).map(|sensor| Refused::UnknownSensor(Arc::clone(sensor)))
             }
             Guard::OpenUnseen => self.open_unseen(phase, context),
-            Guard::AreaUnfit => self.area_unfit(context.area?),
+            Guard::AreaUnfit => self.area_unfit(context.again.as_ref()?),
             Guard::UnknownArea => self.unknown_area(context),
+            Guard::AreaClosed => self.closed_area(context),
             Guard::FaultStands => self.fault_stands(phase).map(|cause| Refused::FaultStands(cause.clone())),
         }
     }
@@ -184,15 +182,29 @@ impl Engine {
         context.named_areas().find(|name| self.state.area(name).is_none()).cloned().map(Refused::UnknownArea)
     }
 
+    fn closed_area(&self, context: &InputContext) -> Option<Refused> {
+        let is_closed = |name: &&Arc<str>| self.state.closed_areas.contains_key(*name);
+        context.named_areas().find(is_closed).cloned().map(Refused::AreaClosed)
+    }
+
     /// Refuses an area without a searched cell, and an area that would make the list of cells too long. Cells that are
-    /// on the list already may be named again.
-    fn area_unfit(&self, area: Bounds) -> Option<Refused> {
-        let (again, most) = (&self.state.again, PersistentState::MOST_AGAIN);
-        let fresh = self.state.searched_in(area).filter(|cell| !again.contains(cell)).take(most + 1).count();
-        if fresh + again.len() > most {
+    /// on the list already may be named again. A closed area may always be named to open it.
+    fn area_unfit(&self, again: &Again) -> Option<Refused> {
+        if let Again::Area(name) = again
+            && self.state.area(name).is_none()
+        {
+            return Some(Refused::UnknownArea(Arc::clone(name)));
+        }
+        if matches!(again, Again::Area(name) if self.state.closed_areas.contains_key(name)) {
+            return None;
+        }
+        let (noted, most) = (&self.state.again, PersistentState::MOST_AGAIN);
+        let fresh = self.state.searched_in(again).filter(|cell| !noted.contains(cell)).take(most + 1).count();
+        if fresh + noted.len() > most {
             return Some(Refused::AreaTooLarge(most));
         }
-        (fresh == 0 && !again.iter().any(|cell| area.contains(*cell))).then_some(Refused::NothingSearched)
+        let has_searched = fresh > 0 || self.state.searched_in(again).next().is_some();
+        (!has_searched).then_some(Refused::NothingSearched)
     }
 
     /// The piece that an exploring robot waits for. In some phases only these two commands explore.

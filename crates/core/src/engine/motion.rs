@@ -362,8 +362,8 @@ impl Engine {
             .conditions
             .as_ref()
             .map_or_else(Default::default, |conditions| (Arc::clone(&conditions.venue.areas), conditions.venue.sensor));
-        let order = Arc::clone(&self.state.area_order);
-        self.planner.set_areas(AreaSource { areas, order, sensor })
+        let (order, closed) = (Arc::clone(&self.state.area_order), Arc::clone(&self.state.closed_areas));
+        self.planner.set_areas(AreaSource { areas, order, closed, sensor })
     }
 
     /// Returns the rings round all bombs in the hall. A retrieval ignores the ring of the piece that it fetches.

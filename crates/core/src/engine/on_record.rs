@@ -5,11 +5,11 @@
 //!   the state after each input ─► StateView and last written entry ─► ahead: (Seq, StateView), … ─► kept up to Seq ─► shown
 //! ```
 
-use std::collections::{BTreeSet, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 
 use super::Engine;
-use crate::closing::Closed;
+use crate::closing::{Closed, ClosedArea};
 use crate::command::Strategy;
 use crate::effect::Effect;
 use crate::hold::Hold;
@@ -52,6 +52,7 @@ pub(super) struct StateView {
     pub(super) closed: Option<Arc<Closed>>,
     pub(super) again: Arc<BTreeSet<Cell>>,
     pub(super) area_order: Arc<[Arc<str>]>,
+    pub(super) closed_areas: Arc<BTreeMap<Arc<str>, ClosedArea>>,
     pub(super) is_viewing: bool,
     pub(super) refusals: Refusals,
     emptied: u64,
@@ -229,6 +230,7 @@ impl Engine {
             closed: self.state.closed.clone(),
             again: Arc::clone(&self.state.again),
             area_order: Arc::clone(&self.state.area_order),
+            closed_areas: Arc::clone(&self.state.closed_areas),
             is_viewing: self.state.phase.inspection().is_some_and(Inspection::is_viewing),
             refusals: self.refusals(),
             emptied: self.on_record.emptied,

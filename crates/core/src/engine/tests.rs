@@ -1,6 +1,7 @@
 //! Tests of situations that no interface can create at will. `by_hand` tests the outcome of every pair of phase and
 //! input. `shown` tests what is shown meanwhile.
 
+mod areas;
 mod by_hand;
 mod clock;
 mod endless;
@@ -13,8 +14,8 @@ mod temperature;
 use std::time::Duration;
 
 use super::*;
-use crate::closing::Closing;
-use crate::command::{Command, Door, Issuer, LuggageRef, Move, Note, TemperatureReport, Verdict};
+use crate::closing::{AreaClosing, Closing};
+use crate::command::{Again, Command, Door, Issuer, LuggageRef, Move, Note, TemperatureReport, Verdict};
 use crate::effect::Action;
 use crate::event::{Capabilities, Obstacle, RobotEvent};
 use crate::hand_over::HandOver;
@@ -130,8 +131,12 @@ fn command(input: Input) -> Option<Command> {
         Input::Unsure => Command::Unsure { luggage, note: None, hot: Default::default() },
         Input::Close => Command::Close(Closing { name: Note::new("Anna Rossi")?, note: None, seen: "".into() }),
         Input::HandOver => Command::HandOver(HandOver { mission: None, to: Note::new("police")?, note: None }),
-        Input::SearchAgain => Command::SearchAgain(Bounds { least: Cell::HOME, most: Cell::new(1, 0) }),
+        Input::SearchAgain => Command::SearchAgain(Again::Within(Bounds { least: Cell::HOME, most: Cell::new(1, 0) })),
         Input::OrderAreas => Command::OrderAreas(["gate".into()].into()),
+        Input::CloseArea => {
+            let (area, name) = ("gate".into(), Note::new("Anna Rossi")?);
+            Command::CloseArea(AreaClosing { area, name, note: None, mission: None })
+        }
         Input::TemperatureOk => Command::Temperature(TemperatureReport::Ok),
         Input::TemperatureTooHigh => Command::Temperature(TemperatureReport::TooHigh),
         Input::Reading => Command::Temperature(TemperatureReport::Reading(Celsius::new(20.0)?)),

@@ -144,6 +144,7 @@ impl Engine {
         let view = |area: &Area| AreaView {
             area: area.clone(),
             order: shown.area_order.iter().position(|name| *name == area.name).map(|place| place + 1),
+            closed: shown.closed_areas.get(&area.name).cloned(),
         };
         self.state.areas().iter().map(view).collect()
     }
@@ -181,11 +182,21 @@ impl Engine {
         self.world.thermometer.view(status)
     }
 
-    fn progress(&self) -> Progress {
+    pub(super) fn progress(&self) -> Progress {
         let map = self.shown_map();
         let reach = self.state.conditions.as_ref().and_then(|conditions| conditions.venue.reach);
         let kept_out = self.unsearched_in_rings(map);
-        Progress { visited: map.visited(), unknown: map.unsearched() - kept_out, kept_out, left: self.time_left(), reach }
+        let unknown = map.unsearched() - kept_out - self.unsearched_in_closed_areas(map);
+        Progress { visited: map.visited(), unknown, kept_out, left: self.time_left(), reach }
+    }
+
+    /// Number of places in closed areas, without those in rings.
+    fn unsearched_in_closed_areas(&self, map: &HallMap) -> usize {
+        let Some(areas) = self.planner.areas.as_ref().filter(|areas| areas.has_closed()) else { return 0 };
+        let keep_out = self.keep_out();
+        let is_left_out = |cell: &Cell| areas.is_closed(*cell) && !keep_out.contains(*cell);
+        let pieces = (map.uninspected() > 0).then(|| map.known().filter(|(_, mark)| *mark == Mark::NotInspected));
+        map.frontier().chain(pieces.into_iter().flatten().map(|(cell, _)| cell)).filter(is_left_out).count()
     }
 
     pub(super) fn open_points(&self, map: &HallMap, luggage: &LuggageRecords, again: usize) -> OpenPoints {
@@ -221,7 +232,13 @@ impl Engine {
         }
         let grid = &self.planner.grid;
         let a_cell = self.mission.pace.a_cell(grid.census().looked_at())?;
-        let forecast = forecast(grid, self.state.search.strategy(), self.state.pose.cell, a_cell.as_secs_f64())?;
+        let closed = self.planner.areas.as_ref().filter(|areas| areas.has_closed());
+        let map = &self.state.map;
+        if closed.is_some() && map.unsearched() == self.unsearched_in_rings(map) + self.unsearched_in_closed_areas(map) {
+            return None;
+        }
+        let left_out = closed.map_or(0, |areas| areas.left_out(grid));
+        let forecast = forecast(grid, self.state.search.strategy(), self.state.pose.cell, a_cell.as_secs_f64(), left_out)?;
         let time = |seconds: f64| Duration::try_from_secs_f64(seconds).ok();
         Some(TimeLeft { least: time(forecast.least)?, most: forecast.most.and_then(time) })
     }

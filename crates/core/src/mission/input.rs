@@ -3,14 +3,15 @@
 
 use std::sync::Arc;
 
-use crate::closing::Closing;
-use crate::command::{Command, CommandId, Hot, Issuer, LuggageRef, Move, Note, OPERATOR, Strategy, TemperatureReport, Verdict};
+use crate::closing::{AreaClosing, Closing};
+use crate::command::{
+    Again, Command, CommandId, Hot, Issuer, LuggageRef, Move, Note, OPERATOR, Strategy, TemperatureReport, Verdict,
+};
 use crate::event::{Obstacle, Photo};
 use crate::hand_over::HandOver;
 use crate::hold::HoldReason;
 use crate::phase::FaultCause;
-use crate::units::{AlarmId, Cell, Celsius, Epoch, LuggageId};
-use crate::world::hall_map::Bounds;
+use crate::units::{AlarmId, Cell, Celsius, Epoch, LuggageId, MissionId};
 
 named! {
     ALL by in_words;
@@ -33,6 +34,7 @@ named! {
         HandOver = "hand over",
         SearchAgain = "search again",
         OrderAreas = "order areas",
+        CloseArea = "close area",
         Move = "move",
         Goto = "goto",
         RetakePhoto = "retake photo",
@@ -68,7 +70,7 @@ named! {
 
 impl Input {
     /// The inputs that are commands, in the order of mission §4.
-    pub(crate) const COMMANDS: [Input; 22] = *Input::ALL.first_chunk().expect("they are listed first");
+    pub(crate) const COMMANDS: [Input; 23] = *Input::ALL.first_chunk().expect("they are listed first");
 
     /// The inputs that are events, in the order in which they occur in a mission.
     pub(crate) const EVENTS: [Input; 25] = *Input::ALL.last_chunk().expect("they are listed last");
@@ -93,8 +95,9 @@ pub(crate) struct InputContext {
     pub(crate) hand_over: Option<HandOver>,
     pub(crate) step: Option<Move>,
     pub(crate) cell: Option<Cell>,
-    pub(crate) area: Option<Bounds>,
+    pub(crate) again: Option<Again>,
     pub(crate) area_order: Option<Arc<[Arc<str>]>>,
+    pub(crate) area_closing: Option<AreaClosing>,
     pub(crate) obstacle: Option<Obstacle>,
     pub(crate) photo: Option<Photo>,
     pub(crate) alarm: Option<AlarmId>,
@@ -108,9 +111,17 @@ pub(crate) struct InputContext {
 }
 
 impl InputContext {
-    /// Returns the names of areas in a command that orders them.
+    /// Whether the command names another mission than this one.
+    pub(crate) fn names_other_than(&self, mission: MissionId) -> bool {
+        let closing = self.area_closing.as_ref().and_then(|closing| closing.mission);
+        let named = self.hand_over.as_ref().and_then(|hand_over| hand_over.mission).or(closing);
+        named.is_some_and(|named| named != mission)
+    }
+
+    /// Returns the names of areas in a command that orders or closes them.
     pub(crate) fn named_areas(&self) -> impl Iterator<Item = &Arc<str>> {
-        self.area_order.iter().flat_map(|order| order.iter())
+        let closing = self.area_closing.as_ref().map(|closing| &closing.area);
+        self.area_order.iter().flat_map(|order| order.iter()).chain(closing)
     }
 
     /// Returns the input for a command, with its details. `pending` is the piece that a verdict without a number
@@ -126,8 +137,9 @@ impl InputContext {
             Command::Reset => (Input::Reset, context),
             Command::Close(closing) => (Input::Close, InputContext { closing: Some(closing.clone()), ..context }),
             Command::HandOver(hand_over) => (Input::HandOver, InputContext { hand_over: Some(hand_over.clone()), ..context }),
-            Command::SearchAgain(area) => (Input::SearchAgain, InputContext { area: Some(*area), ..context }),
+            Command::SearchAgain(again) => (Input::SearchAgain, InputContext { again: Some(again.clone()), ..context }),
             Command::OrderAreas(names) => (Input::OrderAreas, InputContext { area_order: Some(Arc::clone(names)), ..context }),
+            Command::CloseArea(closing) => (Input::CloseArea, InputContext { area_closing: Some(closing.clone()), ..context }),
             Command::Move(step) => (Input::Move, InputContext { step: Some(*step), ..context }),
             Command::Goto(cell) => (Input::Goto, InputContext { cell: Some(*cell), ..context }),
             Command::Verdict { luggage, verdict, note, hot } => {

@@ -1,11 +1,13 @@
 //! The areas of a hall, as a search needs them: the area of each cell, the order, and the areas that are closed. A
 //! *region* is an area, or the rest of the hall. `focus` chooses the regions that are searched next.
 
+use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use super::forecast::Extent;
-use super::grid::Grid;
+use super::grid::{Grid, Square};
+use crate::closing::ClosedArea;
 use crate::units::{Bounds, Cell};
 use crate::world::areas::Area;
 use crate::world::coverage::{Sensor, Views};
@@ -27,11 +29,12 @@ pub struct AreaPlan {
     pub(super) missed: f64,
 }
 
-/// What an `AreaPlan` is made from.
+/// What an `AreaPlan` is made from. `closed` has the closed areas.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct AreaSource {
     pub(crate) areas: Arc<[Area]>,
     pub(crate) order: Arc<[Arc<str>]>,
+    pub(crate) closed: Arc<BTreeMap<Arc<str>, ClosedArea>>,
     pub(crate) sensor: Sensor,
 }
 
@@ -79,6 +82,20 @@ impl AreaPlan {
     #[must_use]
     pub fn is_closed(&self, cell: Cell) -> bool {
         self.open >> self.region(cell) & 1 == 0
+    }
+
+    pub(crate) fn has_closed(&self) -> bool {
+        self.open.count_ones() < u32::try_from(self.regions.len()).unwrap_or(0)
+    }
+
+    /// Number of unknown cells of closed areas within the known bounds.
+    pub(crate) fn left_out(&self, grid: &Grid) -> u32 {
+        let rows = (self.bounds.least.y..).zip(&self.rows);
+        let closed = rows.flat_map(|(y, row)| row.iter().map(move |(columns, region)| (y, columns, region)));
+        let closed = closed.filter(|(.., region)| self.open >> *region & 1 == 0);
+        let cells = closed.flat_map(|(y, columns, _)| columns.clone().map(move |x| Cell::new(x, y)));
+        let is_left = |cell: &Cell| grid.known().contains(*cell) && grid.at(*cell) == Square::Unknown;
+        u32::try_from(cells.filter(is_left).count()).unwrap_or(u32::MAX)
     }
 
     /// The number of a cell's region.

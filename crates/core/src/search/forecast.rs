@@ -41,16 +41,17 @@ pub(super) struct Extent {
     pub(super) is_closed: bool,
 }
 
-/// Returns the remaining effort of a robot at `from`. `a_cell` is the effort per cell. Returns `None` if the robot
-/// can reach nothing that is still unsearched. The robot then goes home.
+/// Returns the remaining effort of a robot at `from`. `a_cell` is the effort per cell. `left_out` is the number of
+/// unknown cells that are not searched. Returns `None` if the robot can reach nothing that is still unsearched. The
+/// robot then goes home.
 #[must_use]
-pub fn forecast(grid: &Grid, strategy: Strategy, from: Cell, a_cell: f64) -> Option<Forecast> {
+pub fn forecast(grid: &Grid, strategy: Strategy, from: Cell, a_cell: f64, left_out: u32) -> Option<Forecast> {
     if !grid.has_open() {
         return None;
     }
     let extent = Extent::of(grid);
     let way_home = f64::from(from.x.abs() + from.y.abs());
-    let at_this_pace = a_cell * (f64::from(extent.cells - extent.known) + way_home);
+    let at_this_pace = a_cell * (f64::from((extent.cells - extent.known).saturating_sub(left_out)) + way_home);
     // In a larger hall, the snail goes home more often.
     if !extent.is_closed || strategy == Strategy::Snail {
         return Some(Forecast { least: OPEN * at_this_pace, most: None });
@@ -123,7 +124,7 @@ mod tests {
     }
 
     fn of(rows: &[&str]) -> Option<Forecast> {
-        forecast(&grid(rows), Strategy::Auto, Cell::HOME, 2.0)
+        forecast(&grid(rows), Strategy::Auto, Cell::HOME, 2.0, 0)
     }
 
     #[test]
@@ -143,7 +144,7 @@ mod tests {
     #[test]
     fn the_snail_has_no_most_and_a_search_at_its_end_nothing_left() {
         let rows = ["######", "#...##", "#.   #", "#.   #", "######"];
-        assert_eq!(forecast(&grid(&rows), Strategy::Snail, Cell::HOME, 2.0).unwrap().most, None);
+        assert_eq!(forecast(&grid(&rows), Strategy::Snail, Cell::HOME, 2.0, 0).unwrap().most, None);
         assert_eq!(of(&["####", "#..#", "#.T#", "####"]), None);
     }
 }

@@ -61,7 +61,7 @@ impl Planner {
     pub(crate) fn set_areas(&mut self, from: AreaSource) -> bool {
         let is_new = self.areas_from != from;
         if is_new {
-            self.areas = AreaPlan::new(&from.areas, &from.order, |_| false, from.sensor);
+            self.areas = AreaPlan::new(&from.areas, &from.order, |name| from.closed.contains_key(name), from.sensor);
             self.areas_from = from;
             self.make_room_for_areas();
         }

@@ -5,7 +5,7 @@ use std::fmt::Display;
 use std::sync::Arc;
 
 use crate::asked::Asked;
-use crate::closing::Closed;
+use crate::closing::{Closed, ClosedArea};
 use crate::command::{Command, Hot, Note, Verdict};
 use crate::hold::Hold;
 use crate::refused::Refused;
@@ -88,8 +88,9 @@ fn said(fact: &Fact) -> String {
         }
         Fact::Revealed { luggage, is_test: true } => format!("luggage #{luggage} was a test piece"),
         Fact::Revealed { luggage, is_test: false } => format!("luggage #{luggage} was no test piece"),
-        Fact::SearchAgain(area) => format!("to be searched again: {} to {}", area.least, area.most),
+        Fact::SearchAgain(again) => format!("to be searched again: {again}"),
         Fact::AreasOrdered(order) => Command::OrderAreas(Arc::clone(order)).to_string(),
+        Fact::AreaClosed(area, closed) => closed_area(area, closed),
         Fact::Closed(closed) => {
             let Closed { who, name, note, open, .. } = &**closed;
             let note = Note::in_brackets(note.as_ref());
@@ -106,6 +107,11 @@ fn said(fact: &Fact) -> String {
         Fact::Strategy(strategy) => format!("search order: {}", strategy.name()),
         Fact::MapEmptied(heading) => format!("map emptied, facing {}", heading.name()),
     }
+}
+
+fn closed_area(area: &str, ClosedArea { who, name, note, open, .. }: &ClosedArea) -> String {
+    let note = Note::in_brackets(note.as_ref());
+    format!("area {area} closed by {name}, key {who}{note}; open: {open}")
 }
 
 /// Returns the rules that differ from the usual ones, each after a comma.

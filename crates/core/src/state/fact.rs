@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use super::{Conditions, PersistentState, Phase, Retrieval};
 use crate::asked::Asked;
-use crate::closing::Closed;
-use crate::command::{CommandId, Hot, Issuer, Note, Strategy, Verdict};
+use crate::closing::{Closed, ClosedArea};
+use crate::command::{Again, CommandId, Hot, Issuer, Note, Strategy, Verdict};
 use crate::event::Photo;
 use crate::hold::Hold;
 use crate::refused::Refused;
@@ -14,7 +14,7 @@ use crate::robot::RobotId;
 use crate::search::{Goal, Search};
 use crate::units::{AlarmId, Cell, Celsius, Epoch, Heading, LuggageId, MissionId, Piece, Pose, Seq, WallTime};
 use crate::world::alarm::AlarmCause;
-use crate::world::hall_map::{Bounds, Mark};
+use crate::world::hall_map::Mark;
 use crate::world::luggage::{Judgement, Luggage};
 
 #[derive(Clone, Debug, PartialEq)]
@@ -103,10 +103,12 @@ pub enum Fact {
         to: Note,
         note: Option<Note>,
     },
-    /// The robot has to visit the searched cells of this area once more.
-    SearchAgain(Bounds),
+    /// The robot has to visit these searched cells once more. A closed area is open again.
+    SearchAgain(Again),
     /// The order in which a person wants the areas searched. The search chooses its goal anew.
     AreasOrdered(Arc<[Arc<str>]>),
+    /// The person in charge has closed the area of this name. The search chooses its goal anew.
+    AreaClosed(Arc<str>, Box<ClosedArea>),
     Temperature(Arc<str>, Celsius),
     /// The last reading of this source no longer counts as known.
     ThermometerSilent(Arc<str>),

@@ -23,11 +23,11 @@ use super::units::{AlarmId, Cell, Celsius, Epoch, LuggageId, MissionId, Pose, Re
 use super::world::alarm::{Alarm, AlarmCause};
 use super::world::areas::Area;
 use super::world::coverage::Coverage;
-use super::world::hall_map::{Bounds, HallMap, Mark};
+use super::world::hall_map::{HallMap, Mark};
 use super::world::luggage::{Decision, Doubt, Judgement, Luggage};
 use super::world::records::LuggageRecords;
-use crate::closing::Closed;
-use crate::command::{OPERATOR, Strategy};
+use crate::closing::{Closed, ClosedArea};
+use crate::command::{Again, OPERATOR, Strategy};
 use crate::hold::{Hold, Holds};
 use crate::robot::RobotId;
 use crate::search::Goal;
@@ -79,6 +79,8 @@ pub struct PersistentState {
     pub closed: Option<Arc<Closed>>,
     /// The names of the areas that a person wants searched first, in this order.
     pub area_order: Arc<[Arc<str>]>,
+    /// The areas that were closed, by name. The search leaves out the rest of them.
+    pub closed_areas: Arc<BTreeMap<Arc<str>, ClosedArea>>,
     /// The place and the threshold of the mission; `None` if no journal has recorded them yet.
     pub conditions: Option<Conditions>,
     /// Total of all clock changes since the mission began, in milliseconds.
@@ -118,6 +120,7 @@ impl PersistentState {
             reading: None,
             closed: None,
             area_order: Arc::default(),
+            closed_areas: Arc::default(),
             conditions: None,
             clock_set_ms: 0,
         }
@@ -157,11 +160,9 @@ impl PersistentState {
             }
             Fact::MissionArchived(..) => self.put_away(),
             Fact::Closed(closed) => self.closed = Some(Arc::new(Closed::clone(closed))),
-            Fact::SearchAgain(area) => {
-                let again = self.searched_in(*area).chain(self.again.iter().copied()).collect();
-                self.again = Arc::new(again);
-            }
+            Fact::SearchAgain(again) => self.search_again(again),
             Fact::AreasOrdered(order) => self.area_order = Arc::clone(order),
+            Fact::AreaClosed(name, closed) => self.close_area(name, closed),
             Fact::Phase(phase) => {
                 self.phase = phase.clone();
                 if phase.is_motion() {
@@ -241,7 +242,7 @@ impl PersistentState {
     /// Ends the mission. Alarms that are not acknowledged stay.
     pub(crate) fn put_away(&mut self) {
         (self.under_way, self.closed, self.again) = (false, None, Arc::default());
-        self.area_order = Arc::default();
+        (self.area_order, self.closed_areas) = Default::default();
         self.search_anew();
         self.luggage = LuggageRecords::default();
         self.alarms.retain(|alarm| alarm.acknowledged.is_none());
@@ -261,10 +262,18 @@ impl PersistentState {
         self.search_anew();
     }
 
-    /// Returns the searched cells of an area, without the cell where the robot stands.
-    pub(crate) fn searched_in(&self, area: Bounds) -> impl Iterator<Item = Cell> {
-        let is_searched = move |(cell, mark): &(Cell, Mark)| area.contains(*cell) && matches!(mark, Mark::Visited | Mark::Seen);
-        self.map.known().filter(is_searched).map(|(cell, _)| cell).filter(|cell| *cell != self.pose.cell)
+    /// Returns the searched cells among these, without the cell where the robot stands.
+    pub(crate) fn searched_in<'a>(&'a self, again: &Again) -> impl Iterator<Item = Cell> + use<'a> {
+        let (bounds, area) = match again {
+            Again::Within(bounds) => (Some(*bounds), None),
+            Again::Area(name) => (None, self.area(name)),
+        };
+        let within = bounds.into_iter().flat_map(|bounds| {
+            let known = self.map.known().map(|(cell, _)| cell);
+            known.filter(move |cell| bounds.contains(*cell))
+        });
+        let cells = within.chain(area.into_iter().flat_map(Area::cells));
+        cells.filter(|cell| self.map.at(*cell).is_searched() && *cell != self.pose.cell)
     }
 
     /// Returns the area of this name, if the hall has it.
@@ -277,12 +286,35 @@ impl PersistentState {
         self.conditions.as_ref().map_or(&[], |conditions| &conditions.venue.areas)
     }
 
+    fn search_again(&mut self, again: &Again) {
+        let cells: BTreeSet<Cell> =
+            self.searched_in(again).chain(self.again.iter().copied()).take(Self::MOST_AGAIN + 1).collect();
+        // Only an area that is opened may be this large. Its unknown cells are searched, and no cell again.
+        if cells.len() <= Self::MOST_AGAIN {
+            self.again = Arc::new(cells);
+        }
+        if let Again::Area(name) = again {
+            Arc::make_mut(&mut self.closed_areas).remove(name);
+        }
+    }
+
+    fn close_area(&mut self, name: &Arc<str>, closed: &ClosedArea) {
+        if let Some(area) = self.area(name).cloned().filter(|_| !self.again.is_empty()) {
+            let within: BTreeSet<Cell> = area.cells().filter(|cell| self.again.contains(cell)).collect();
+            Arc::make_mut(&mut self.again).retain(|cell| !within.contains(cell));
+        }
+        Arc::make_mut(&mut self.closed_areas).insert(Arc::clone(name), closed.clone());
+    }
+
     /// Also forgets what was decided about areas that the present hall does not have.
     fn set_conditions(&mut self, conditions: &Conditions) {
         self.conditions = Some(conditions.clone());
         let names: BTreeSet<Arc<str>> = self.areas().iter().map(|area| Arc::clone(&area.name)).collect();
         if !self.area_order.iter().all(|name| names.contains(name)) {
             self.area_order = self.area_order.iter().filter(|name| names.contains(*name)).cloned().collect();
+        }
+        if !self.closed_areas.keys().all(|name| names.contains(name)) {
+            Arc::make_mut(&mut self.closed_areas).retain(|name, _| names.contains(name));
         }
     }
 

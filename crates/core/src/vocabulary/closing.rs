@@ -27,6 +27,36 @@ pub struct Closed {
     pub wall: WallTime,
 }
 
+/// The command *close an area*.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AreaClosing {
+    pub area: Arc<str>,
+    /// The person in charge.
+    pub name: Note,
+    pub note: Option<Note>,
+    /// The mission that the sender means. The command is refused if another one is under way.
+    pub mission: Option<MissionId>,
+}
+
+/// An area that was closed. The search leaves out the rest of it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ClosedArea {
+    pub who: Arc<str>,
+    pub name: Note,
+    pub note: Option<Note>,
+    pub open: OpenInArea,
+    pub wall: WallTime,
+}
+
+/// Numbers of what is left open in an area.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct OpenInArea {
+    /// Cells about which nothing is known, obstacles that are not inspected, and cells to be searched again.
+    pub cells: usize,
+    /// Pieces without a verdict.
+    pub pending: usize,
+}
+
 /// Numbers of what is left open in a mission.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct OpenPoints {
@@ -68,6 +98,13 @@ impl OpenPoints {
     #[must_use]
     pub fn code(self, mission: MissionId) -> String {
         format!("{mission}:{}", self.parts().map(|(.., count)| count.to_string()).join(","))
+    }
+}
+
+impl fmt::Display for OpenInArea {
+    /// Example: `cells not searched: 12, pieces without a verdict: 1`.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "cells not searched: {}, pieces without a verdict: {}", self.cells, self.pending)
     }
 }
 

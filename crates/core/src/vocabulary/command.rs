@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use crate::bomb_size::BombSize;
-use crate::closing::Closing;
+use crate::closing::{AreaClosing, Closing};
 use crate::hand_over::HandOver;
 use crate::units::{AlarmId, Bounds, Cell, Celsius, Epoch, LuggageId};
 use crate::words::is_visible;
@@ -78,11 +78,12 @@ pub enum Command {
     /// The person in charge states that the search is over.
     Close(Closing),
     HandOver(HandOver),
-    /// Visit all searched cells of this area once more.
-    SearchAgain(Bounds),
+    SearchAgain(Again),
     /// The names of the areas that are to be searched first, in this order. An empty list leaves the order to the
     /// search.
     OrderAreas(Arc<[Arc<str>]>),
+    /// The person in charge states that the search of an area is over.
+    CloseArea(AreaClosing),
     Move(Move),
     Goto(Cell),
     Verdict {
@@ -103,6 +104,23 @@ pub enum Command {
     Temperature(TemperatureReport),
 }
 
+/// The searched cells that the robot has to visit once more.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Again {
+    Within(Bounds),
+    /// The area of this name. If it was closed, it is open again.
+    Area(Arc<str>),
+}
+
+impl std::fmt::Display for Again {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Again::Within(bounds) => write!(f, "{} to {}", bounds.least, bounds.most),
+            Again::Area(name) => f.write_str(name),
+        }
+    }
+}
+
 /// The data of a command in addition to its code.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Carries<'a> {
@@ -115,15 +133,16 @@ pub enum Carries<'a> {
     Unsure(LuggageRef, Option<&'a Note>, Hot),
     Closing(&'a Closing),
     HandOver(&'a HandOver),
-    Area(Bounds),
+    Again(&'a Again),
     Areas(&'a Arc<[Arc<str>]>),
+    AreaClosing(&'a AreaClosing),
     Strategy(Strategy),
     Temperature(&'a TemperatureReport),
 }
 
 impl Command {
     /// The codes of all commands. The journal stores these codes, so a code never changes.
-    pub const CODES: [&str; 18] = [
+    pub const CODES: [&str; 19] = [
         "start",
         "stop",
         "backHome",
@@ -134,6 +153,7 @@ impl Command {
         "handOver",
         "searchAgain",
         "orderAreas",
+        "closeArea",
         "move",
         "goto",
         "verdict",
@@ -159,6 +179,7 @@ impl Command {
             Command::HandOver(_) => "handOver",
             Command::SearchAgain(_) => "searchAgain",
             Command::OrderAreas(_) => "orderAreas",
+            Command::CloseArea(_) => "closeArea",
             Command::Move(_) => "move",
             Command::Goto(_) => "goto",
             Command::Verdict { .. } => "verdict",
@@ -179,8 +200,9 @@ impl Command {
             Command::Retrieve(Some(id)) => Carries::Luggage(*id),
             Command::Close(closing) => Carries::Closing(closing),
             Command::HandOver(hand_over) => Carries::HandOver(hand_over),
-            Command::SearchAgain(area) => Carries::Area(*area),
+            Command::SearchAgain(again) => Carries::Again(again),
             Command::OrderAreas(names) => Carries::Areas(names),
+            Command::CloseArea(closing) => Carries::AreaClosing(closing),
             Command::Move(step) => Carries::Move(*step),
             Command::Goto(cell) => Carries::Cell(*cell),
             Command::Verdict { luggage, verdict, note, hot } => Carries::Verdict(*luggage, *verdict, note.as_ref(), *hot),
@@ -200,8 +222,9 @@ impl Command {
             Carries::Nothing
             | Carries::Closing(_)
             | Carries::HandOver(_)
-            | Carries::Area(_)
+            | Carries::Again(_)
             | Carries::Areas(_)
+            | Carries::AreaClosing(_)
             | Carries::Alarm(_)
             | Carries::Move(_)
             | Carries::Cell(_)
@@ -226,6 +249,7 @@ impl Command {
             | Command::Close(_)
             | Command::HandOver(_)
             | Command::OrderAreas(_)
+            | Command::CloseArea(_)
             | Command::Verdict { .. }
             | Command::Unsure { .. }
             | Command::RetakePhoto(_)
@@ -250,9 +274,12 @@ impl std::fmt::Display for Command {
                 write!(f, "close, by {name}{}", Note::in_brackets(note.as_ref()))
             }
             Command::HandOver(HandOver { to, note, .. }) => write!(f, "hand over to {to}{}", Note::in_brackets(note.as_ref())),
-            Command::SearchAgain(area) => write!(f, "search again {} to {}", area.least, area.most),
+            Command::SearchAgain(again) => write!(f, "search again {again}"),
             Command::OrderAreas(names) if names.is_empty() => f.write_str("order of areas: automatic"),
             Command::OrderAreas(names) => write!(f, "order of areas: {}", names.join(", ")),
+            Command::CloseArea(AreaClosing { area, name, note, .. }) => {
+                write!(f, "close area {area}, by {name}{}", Note::in_brackets(note.as_ref()))
+            }
             Command::Move(step) => write!(f, "move {}", step.in_words()),
             Command::Goto(cell) => write!(f, "goto {cell}"),
             Command::Verdict { luggage, verdict, note, hot } => write_answer(f, verdict.name(), *luggage, note.as_ref(), *hot),

@@ -103,6 +103,8 @@ pub enum Refused {
     AreaTooLarge(usize),
     #[error("the hall has no area {0:?}: name one of its areas")]
     UnknownArea(Arc<str>),
+    #[error("the area {0:?} is closed already: to open it, search it again")]
+    AreaClosed(Arc<str>),
     #[error("the fault still stands: {0}")]
     FaultStands(FaultCause),
     #[error("the record cannot be written, so nothing was decided: try again when the store is back")]
@@ -138,7 +140,7 @@ pub struct Refusal {
 
 /// Every code with its kind, for refusals that are read back. A test of an interface compares this list with the
 /// variants. The code of `NotOnRecord` is missing, because no command is answered with it.
-pub const CODES: [(&str, RefusalKind); 36] = {
+pub const CODES: [(&str, RefusalKind); 37] = {
     use RefusalKind::{Conflict, Forbidden, Mismatch, Unavailable, Unknown};
     [
         ("held", Conflict),
@@ -171,6 +173,7 @@ pub const CODES: [(&str, RefusalKind); 36] = {
         ("nothingSearched", Conflict),
         ("areaTooLarge", Conflict),
         ("unknownArea", Unknown),
+        ("areaClosed", Conflict),
         ("faultStands", Conflict),
         ("storeDown", Unavailable),
         ("notKept", Unavailable),
@@ -218,6 +221,7 @@ impl Refused {
             | Refused::ExerciseOver
             | Refused::NothingSearched
             | Refused::AreaTooLarge(_)
+            | Refused::AreaClosed(_)
             | Refused::FaultStands(_) => RefusalKind::Conflict,
         }
     }
@@ -256,6 +260,7 @@ impl Refused {
             Refused::NothingSearched => "nothingSearched",
             Refused::AreaTooLarge(_) => "areaTooLarge",
             Refused::UnknownArea(_) => "unknownArea",
+            Refused::AreaClosed(_) => "areaClosed",
             Refused::FaultStands(_) => "faultStands",
             Refused::StoreDown => "storeDown",
             Refused::NotKept => "notKept",

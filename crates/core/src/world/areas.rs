@@ -1,12 +1,16 @@
 //! Named areas of a hall, each with the probability that the bomb is there. The hall file has the areas; the mission
 //! records them with its conditions.
 
+use std::collections::BTreeSet;
 use std::fmt;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
+use crate::closing::OpenInArea;
 use crate::units::{Bounds, Cell};
 use crate::words::is_visible;
+use crate::world::hall_map::{HallMap, Mark};
+use crate::world::records::LuggageRecords;
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct Area {
@@ -47,6 +51,19 @@ impl Area {
     #[must_use]
     pub fn is_name(text: &str) -> bool {
         (1..=Area::NAME).contains(&text.chars().count()) && text.trim() == text && text.chars().all(is_visible)
+    }
+
+    /// Returns what is open in the area, as the map shows it. `again` are the cells to be searched again.
+    #[must_use]
+    pub fn open(&self, map: &HallMap, again: &BTreeSet<Cell>, luggage: &LuggageRecords) -> OpenInArea {
+        let pending: BTreeSet<Cell> = luggage.pending().map(|piece| piece.cell).collect();
+        let mut open = OpenInArea::default();
+        for cell in self.cells() {
+            let is_open = matches!(map.at(cell), Mark::Unknown | Mark::NotInspected) || again.contains(&cell);
+            open.cells += usize::from(is_open);
+            open.pending += usize::from(pending.contains(&cell));
+        }
+        open
     }
 
     /// Returns the cells whose centre is within the outline or on it, row by row.

@@ -14,9 +14,9 @@ use behaviour_trees::Value as TreeValue;
 use hallsweep_core::arm::Parcel;
 use hallsweep_core::asked::Asked;
 use hallsweep_core::bomb_size::BombSize;
-use hallsweep_core::closing::{Closed, OpenPoints};
+use hallsweep_core::closing::{AreaClosing, Closed, ClosedArea, OpenInArea, OpenPoints};
 use hallsweep_core::command::{
-    Command, CommandId, Hot, HotAnswer, Issuer, LuggageRef, Move, Note, Strategy as Order, TemperatureReport, Verdict,
+    Again, Command, CommandId, Hot, HotAnswer, Issuer, LuggageRef, Move, Note, Strategy as Order, TemperatureReport, Verdict,
 };
 use hallsweep_core::hold::Hold;
 use hallsweep_core::not_fetched::{AloneFault, Fetcher, NotFetched, StuckFault};
@@ -96,8 +96,9 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
         }),
         closed().prop_map(|closed| Fact::Closed(Box::new(closed))),
         (text(), name(), note()).prop_map(|(who, to, note)| Fact::HandedOver { who: who.into(), to, note }),
-        area().prop_map(Fact::SearchAgain),
+        again().prop_map(Fact::SearchAgain),
         area_names().prop_map(Fact::AreasOrdered),
+        (area_name(), closed_area()).prop_map(|(area, closed)| Fact::AreaClosed(area, Box::new(closed))),
         (text(), celsius()).prop_map(|(source, celsius)| Fact::Temperature(source.into(), celsius)),
         text().prop_map(|source| Fact::ThermometerSilent(source.into())),
         (any::<u64>(), option::of(any::<u64>()), alarm_cause())
@@ -108,8 +109,11 @@ pub(crate) fn fact() -> impl Strategy<Value = Fact> {
     ]
 }
 
-fn area() -> impl Strategy<Value = Bounds> {
-    (cell(), cell()).prop_map(|(one, other)| Bounds::of(one).including(other))
+fn again() -> impl Strategy<Value = Again> {
+    prop_oneof![
+        (cell(), cell()).prop_map(|(one, other)| Again::Within(Bounds::of(one).including(other))),
+        area_name().prop_map(Again::Area),
+    ]
 }
 
 fn area_name() -> impl Strategy<Value = Arc<str>> {
@@ -118,6 +122,13 @@ fn area_name() -> impl Strategy<Value = Arc<str>> {
 
 fn area_names() -> impl Strategy<Value = Arc<[Arc<str>]>> {
     btree_set(area_name(), 0..4).prop_map(|names| names.into_iter().collect())
+}
+
+fn closed_area() -> impl Strategy<Value = ClosedArea> {
+    (text(), name(), note(), (any::<u32>(), any::<u32>()), wall()).prop_map(|(who, name, note, (cells, pending), wall)| {
+        let open = OpenInArea { cells: cells as usize, pending: pending as usize };
+        ClosedArea { who: who.into(), name, note, open, wall }
+    })
 }
 
 fn open_points() -> impl Strategy<Value = OpenPoints> {
@@ -227,7 +238,11 @@ fn asked() -> impl Strategy<Value = Asked> {
         any::<u64>().prop_map(|id| Command::Acknowledge(AlarmId(id))),
         one_of(&Order::ALL).prop_map(Command::ChooseStrategy),
         report.prop_map(Command::Temperature),
+        again().prop_map(Command::SearchAgain),
         area_names().prop_map(Command::OrderAreas),
+        (area_name(), name(), note(), option::of(any::<u64>())).prop_map(|(area, name, note, mission)| {
+            Command::CloseArea(AreaClosing { area, name, note, mission: mission.map(MissionId) })
+        }),
     ];
     let within = option::of((0..100_000_u64).prop_map(|tenths| Duration::from_millis(tenths * 100)));
     let one = prop_oneof![
@@ -292,6 +307,7 @@ fn refused() -> impl Strategy<Value = Refused> {
         1 => command_id().prop_map(Refused::OtherContent),
         1 => text().prop_map(|name| Refused::UnknownSensor(name.into())),
         1 => area_name().prop_map(Refused::UnknownArea),
+        1 => area_name().prop_map(Refused::AreaClosed),
         1 => text().prop_map(Refused::NotAllowed),
         1 => text().prop_map(|words| Refused::InWords(refusal("malformed", words))),
     ]
@@ -333,7 +349,7 @@ fn state() -> impl Strategy<Value = PersistentState> {
     let pieces = (btree_set(any::<u32>().prop_map(Piece), 0..4), met_again);
     let map = (hall_map(), coverage());
     let world = (map, pieces, vec(luggage(), 0..4), vec(alarm(), 0..4));
-    let areas = area_names();
+    let areas = (area_names(), btree_map(area_name(), closed_area(), 0..3));
     let rest = (option::of(celsius()), option::of(conditions()), option::of(closed()), btree_set(cell(), 0..4), areas);
     (numbers, mission, world, rest).prop_map(|(numbers, mission, world, (reading, conditions, closed, again, areas))| {
         let (id, under_way, epoch, last_luggage, last_alarm, led_blinking) = numbers;
@@ -365,7 +381,8 @@ fn state() -> impl Strategy<Value = PersistentState> {
             last_alarm: AlarmId(last_alarm),
             reading,
             closed: closed.map(Arc::new),
-            area_order: areas,
+            area_order: areas.0,
+            closed_areas: Arc::new(areas.1),
             conditions,
             clock_set_ms: i64::try_from(epoch.0).unwrap_or(-1),
         }

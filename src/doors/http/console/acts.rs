@@ -37,6 +37,7 @@ pub(in crate::doors::http) struct Fields {
     open: Option<String>,
     to: Option<String>,
     mission: Option<String>,
+    area: Option<String>,
     /// The names of the areas in the order of the page, one a line.
     areas: Option<String>,
     /// The name of the area that is to come one place earlier.
@@ -91,7 +92,13 @@ impl Fields {
             }
             "move" => command::move_word(needed("move", self.word.as_deref())?)?,
             "goto" => command::goto(whole("x", &self.x)?, whole("y", &self.y)?)?,
+            "searchAgain" if self.area.is_some() => command::search_area_again(self.area())?,
             "orderAreas" => self.area_order()?,
+            "closeArea" => {
+                let mission = self.mission.as_deref().map(|text| number("mission", text)).transpose()?;
+                let (name, note) = (needed("name", self.name.as_deref())?, self.note.as_deref().map(one_line));
+                command::close_area(needed("area", self.area.as_deref())?, &one_line(name), note.as_deref(), mission)?
+            }
             "searchAgain" => {
                 let corner = (whole("x", &self.x)?, whole("y", &self.y)?);
                 command::search_again(corner, (whole("toX", &self.to_x)?, whole("toY", &self.to_y)?))?
@@ -125,6 +132,10 @@ impl Fields {
             ("stop", _) => "page".to_owned(),
             _ => act.to_owned(),
         }
+    }
+
+    pub(super) fn area(&self) -> &str {
+        self.area.as_deref().unwrap_or_default()
     }
 
     /// Returns the order on the page, with one area one place earlier or later.
@@ -208,7 +219,7 @@ fn number<T: std::str::FromStr>(name: &str, text: &str) -> Result<T, Problem> {
 mod tests {
     use super::*;
     use axum::http::Method;
-    use hallsweep_core::command::HotAnswer;
+    use hallsweep_core::command::{Again, HotAnswer};
     use hallsweep_core::units::Cell;
     use hallsweep_core::world::hall_map::Bounds;
 
@@ -234,6 +245,7 @@ mod tests {
             obvious: Some("cannotSay".to_owned()),
             typical: Some(String::new()),
             celsius: Some("21,5".to_owned()),
+            area: Some("gate 1".to_owned()),
             areas: Some("gate 2\r\ngate 1\r\nbar".to_owned()),
             earlier: Some("gate 1".to_owned()),
             later: None,
@@ -247,13 +259,15 @@ mod tests {
         }
         assert_eq!(fields.command("goto").unwrap().0, Command::Goto(Cell::new(1, -2)));
         let area = Bounds { least: Cell::new(0, -2), most: Cell::new(1, 4) };
-        assert_eq!(fields.command("searchAgain").unwrap().0, Command::SearchAgain(area), "corners in any order");
+        assert_eq!(fields.command("searchAgain").unwrap().0, Command::SearchAgain(Again::Area("gate 1".into())));
         let order = |names: [&str; 3]| Command::OrderAreas(names.map(Into::into).into());
         assert_eq!(fields.command("orderAreas").unwrap().0, order(["gate 1", "gate 2", "bar"]));
-        let fields = Fields { earlier: Some("gate 2".to_owned()), ..fields };
+        let fields = Fields { area: None, earlier: Some("gate 2".to_owned()), ..fields };
         assert_eq!(fields.command("orderAreas").unwrap().0, order(["gate 2", "gate 1", "bar"]), "it is the first");
         let fields = Fields { earlier: None, later: Some("gate 1".to_owned()), ..fields };
         assert_eq!(fields.command("orderAreas").unwrap().0, order(["gate 2", "bar", "gate 1"]));
+        let corners = Command::SearchAgain(Again::Within(area));
+        assert_eq!(fields.command("searchAgain").unwrap().0, corners, "corners in any order");
         let (luggage, note) = (LuggageRef::Id(LuggageId(3)), Note::new("a lunch box"));
         let hot = Hot { hidden: Some(HotAnswer::No), obvious: Some(HotAnswer::CannotSay), ..Hot::NONE };
         let verdict = |verdict, hot| Command::Verdict { luggage, verdict, note: note.clone(), hot };

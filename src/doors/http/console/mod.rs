@@ -203,7 +203,7 @@ pub(in crate::doors::http) fn html(template: &impl Template) -> Html<String> {
 mod tests {
     use super::super::testing::{app, leads, read, text};
     use crate::api::tests::fixture::{idle, searching};
-    use hallsweep_core::command::{Command, LuggageRef, Move, Note, Verdict};
+    use hallsweep_core::command::{Again, Command, LuggageRef, Move, Note, Verdict};
     use hallsweep_core::phase::PhaseName;
     use hallsweep_core::refused::Refused;
     use hallsweep_core::units::{Cell, Epoch, LuggageId, MissionId};
@@ -360,7 +360,11 @@ mod tests {
             ("/console/start", "epoch=7", Command::Start),
             ("/console/move", "epoch=7&move=w", Command::Move(Move::Forward)),
             ("/console/goto", "epoch=7&x=1&y=2", Command::Goto(Cell::new(1, 2))),
-            ("/console/searchAgain", "epoch=7&x=1&y=2&toX=1&toY=2", Command::SearchAgain(Bounds::of(Cell::new(1, 2)))),
+            (
+                "/console/searchAgain",
+                "epoch=7&x=1&y=2&toX=1&toY=2",
+                Command::SearchAgain(Again::Within(Bounds::of(Cell::new(1, 2)))),
+            ),
         ];
         for (path, body, command) in cases {
             let response = app.form(path, body).await;

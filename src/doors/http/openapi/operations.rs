@@ -76,7 +76,8 @@ fn command(row: &'static commands::CommandRow, schemas: &mut Schemas) -> Operati
         None => operation,
     };
     // The request may name a sensor that the settings do not have, or an area that the hall does not have.
-    let names_something = row.kind == CommandKind::Temperature || matches!(row.takes, Takes::OrderAreas);
+    let names_something =
+        row.kind == CommandKind::Temperature || matches!(row.takes, Takes::Area | Takes::OrderAreas | Takes::CloseArea);
     if names_something { operation.also(&[ProblemKind::NotFound]) } else { operation }
 }
 

@@ -7,11 +7,11 @@ use super::*;
 use crate::api::commands::COMMANDS;
 use crate::api::tests::fixture::{degrees, searching};
 use hallsweep_core::asked::Asked;
-use hallsweep_core::closing::Closing;
-use hallsweep_core::command::{LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
+use hallsweep_core::closing::{AreaClosing, Closing};
+use hallsweep_core::command::{Again, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict};
 use hallsweep_core::hand_over::HandOver;
 use hallsweep_core::refused::Refused;
-use hallsweep_core::units::{AlarmId, Cell, LuggageId};
+use hallsweep_core::units::{AlarmId, Cell, LuggageId, MissionId};
 use hallsweep_core::world::hall_map::Bounds;
 use hallsweep_core::world::luggage::Luggage;
 
@@ -32,6 +32,8 @@ fn all_commands() -> Vec<(&'static str, &'static str, Command)> {
     };
     let temperature = Command::Temperature;
     let closing = |seen: &str| Command::Close(Closing { name: Note::new("Anna Rossi").unwrap(), note: None, seen: seen.into() });
+    let (area, name) = ("gate 1".into(), Note::new("Anna Rossi").unwrap());
+    let closing_area = Command::CloseArea(AreaClosing { area, name, note: None, mission: Some(MissionId(7)) });
     let unsure = Command::Unsure { luggage: LuggageRef::Id(LuggageId(3)), note: None, hot: Default::default() };
     vec![
         ("start", "", Command::Start),
@@ -50,9 +52,11 @@ fn all_commands() -> Vec<(&'static str, &'static str, Command)> {
             r#"{"to":"police"}"#,
             Command::HandOver(HandOver { mission: None, to: Note::new("police").unwrap(), note: None }),
         ),
-        ("searchAgain", r#"{"x":0,"y":0,"toX":0,"toY":0}"#, Command::SearchAgain(Bounds::of(Cell::HOME))),
+        ("searchAgain", r#"{"x":0,"y":0,"toX":0,"toY":0}"#, Command::SearchAgain(Again::Within(Bounds::of(Cell::HOME)))),
+        ("searchAgain", r#"{"area":"gate 1"}"#, Command::SearchAgain(Again::Area("gate 1".into()))),
         ("orderAreas", r#"{"areas":["gate 2","gate 1"]}"#, Command::OrderAreas(["gate 2".into(), "gate 1".into()].into())),
         ("orderAreas", r#"{"areas":[]}"#, Command::OrderAreas([].into())),
+        ("closeArea", r#"{"area":"gate 1","name":"Anna Rossi","mission":7}"#, closing_area),
         ("move", r#"{"move":"w"}"#, Command::Move(Move::Forward)),
         ("move", r#"{"move":"h"}"#, Command::Stop),
         ("goto", r#"{"x":4,"y":-2}"#, Command::Goto(Cell::new(4, -2))),
@@ -97,6 +101,28 @@ async fn what_the_table_shows_as_payloads_is_taken() {
             assert_eq!(json["accepted"], true, "{} {payload}: {json}", row.name);
         }
     }
+}
+
+#[tokio::test]
+async fn wrong_orders_of_areas_are_answered_with_what_is_wrong() {
+    let mut app = app(searching());
+    let given = app.given().await;
+    let many = serde_json::json!({ "areas": vec!["gate"; 10_000] }).to_string();
+    for (name, payload, status) in [
+        ("orderAreas", "orderAreas", 400),
+        ("orderAreas", r#"{"areas":"gate"}"#, 422),
+        ("orderAreas", r#"{"areas":["gate","gate"]}"#, 422),
+        ("orderAreas", r#"{"areas":["\u0007"]}"#, 422),
+        ("orderAreas", r#"{"areas":[{"name":"gate"}]}"#, 422),
+        ("orderAreas", &many, 413),
+        ("closeArea", r#"{"area":"gate"}"#, 422),
+        ("closeArea", r#"{"area":"gate","name":"\u2028"}"#, 422),
+        ("searchAgain", r#"{"area":"gate","toX":1}"#, 422),
+    ] {
+        let (topic, json) = app.ask(&format!("command/{name}"), payload).await;
+        assert_eq!((topic, &json["status"]), (format!("command/{name}/result"), &status.into()), "{payload:.80}: {json}");
+    }
+    assert_eq!(app.given().await, given);
 }
 
 #[tokio::test]

@@ -3,13 +3,14 @@
 //! recorded.
 
 use super::*;
+use crate::closing::OpenInArea;
 use crate::settings::AfterDanger;
 use crate::state::fact::Fact;
 use crate::world::hall_map::Mark;
 
 /// The commands that have a column in the tables below. The other commands are accepted in every phase and do not
-/// change the phase: OK, a reading, a sensor's reading and the acknowledgement of an alarm. A hand-over is accepted in
-/// every phase while a mission is under way, as it is here.
+/// change the phase: OK, a reading, a sensor's reading, the acknowledgement of an alarm and the order of the areas. A
+/// hand-over and the end of an area are accepted in every phase while a mission is under way, as it is here.
 const COLUMNS: [Input; 16] = [
     Input::Start,
     Input::Stop,
@@ -161,7 +162,7 @@ fn expected(table: &'static str, phase: PhaseName, input: Input, holds: &[Hold])
     let recorded = [Input::Safe, Input::Danger, Input::TemperatureOk, Input::TemperatureTooHigh, Input::Reading, Input::Reset];
     let recorded = recorded.contains(&input)
         || [Input::Acknowledge, Input::Strategy, Input::Unsure, Input::Close, Input::HandOver].contains(&input)
-        || input == Input::OrderAreas;
+        || [Input::OrderAreas, Input::CloseArea].contains(&input);
     let repeat = input == Input::Safe && table == DECIDED;
     match holds {
         [] => meant(cell(table, phase, input, false), phase),
@@ -291,6 +292,11 @@ fn check_effects(before: &Engine, after: &Engine, input: Input, table: &str, pai
             assert_eq!((&before.state.luggage, was), (&after.state.luggage, is), "{pair}: nothing follows from it")
         }
         Input::OrderAreas => assert_eq!(*after.state.area_order, ["gate".into()], "{pair}"),
+        Input::CloseArea => {
+            let open = after.state.closed_areas["gate"].open;
+            let pending = after.state.luggage.pending().count();
+            assert_eq!(open, OpenInArea { cells: 1, pending }, "{pair}: the piece is in the cell that was not visited");
+        }
         Input::Acknowledge => assert!(after.state.alarms[0].acknowledged.is_some(), "{pair}"),
         Input::Reading | Input::SensorReading => assert!(after.world.thermometer.last.is_some(), "{pair}"),
         Input::RetakePhoto => assert_eq!(after.stage(), Some(Stage::RetakingPhoto(LuggageId(1))), "{pair}"),

@@ -4,8 +4,8 @@
 use crate::hold::Hold;
 use crate::mission::Input;
 use crate::mission::rule::Act::{
-    Acknowledge, AlarmUnrecorded, Archive, Clear, EmptyMap, EndRetrieval, HandOver, HearSensor, KeepBack, LedOff, NoteReading,
-    OrderAreas, Raise, RecordUnsure, RecordVerdict, Release, Stop,
+    Acknowledge, AlarmUnrecorded, Archive, Clear, CloseArea, EmptyMap, EndRetrieval, HandOver, HearSensor, KeepBack, LedOff,
+    NoteReading, OrderAreas, Raise, RecordUnsure, RecordVerdict, Release, Stop,
 };
 use crate::mission::rule::Rule::{Go, RefuseIf, RefuseIfThen, When};
 use crate::mission::rule::To::{Interrupted, Phase, Stay};
@@ -102,6 +102,13 @@ const READING: &[Rule] = &[RefuseIfThen(Guard::StoreDown, &[NoteReading]), Go(St
 const HAND_OVER: &[Rule] = &[RefuseIf(Guard::NoMission), RefuseIf(Guard::StoreDown), Go(Stay, &[HandOver])];
 /// Also in idle: the order holds for the next mission.
 const ORDER_AREAS: &[Rule] = &[RefuseIf(Guard::UnknownArea), RefuseIf(Guard::StoreDown), Go(Stay, &[OrderAreas])];
+const CLOSE_AREA: &[Rule] = &[
+    RefuseIf(Guard::NoMission),
+    RefuseIf(Guard::UnknownArea),
+    RefuseIf(Guard::AreaClosed),
+    RefuseIf(Guard::StoreDown),
+    Go(Stay, &[CloseArea]),
+];
 const ACKNOWLEDGE: &[Rule] = &[RefuseIf(Guard::UnknownAlarm), RefuseIf(Guard::StoreDown), Go(Stay, &[Acknowledge])];
 
 /// The rules of an input that raises a hold. If the input ends a drive by hand during a mission, the hold `operator`
@@ -140,6 +147,7 @@ pub(in crate::mission) const fn row(input: Input) -> InputRow {
         Input::Reset => Everywhere(RESET),
         Input::HandOver => Everywhere(HAND_OVER),
         Input::OrderAreas => Everywhere(ORDER_AREAS),
+        Input::CloseArea => Everywhere(CLOSE_AREA),
         Input::Acknowledge => Everywhere(ACKNOWLEDGE),
         Input::LinkUp => Everywhere(&[Go(Stay, &[Clear(Hold::RobotLink)])]),
         Input::Cool => Everywhere(&[Go(Stay, &[Clear(Hold::Temperature)])]),

@@ -39,7 +39,7 @@ pub(crate) const fn rules(phase: PhaseName, input: Input) -> &'static [Rule] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::command::{Command, Door, Issuer, Move};
+    use crate::command::{Again, Command, Door, Issuer, Move};
     use crate::mission::{Act, InputContext};
     use crate::units::Cell;
     use crate::world::hall_map::Bounds;
@@ -78,7 +78,7 @@ mod tests {
             Command::Start,
             Command::BackHome,
             Command::GoOn,
-            Command::SearchAgain(Bounds::of(Cell::HOME)),
+            Command::SearchAgain(Again::Within(Bounds::of(Cell::HOME))),
             Command::Retrieve(None),
             Command::Reset,
             Command::Move(Move::Forward),

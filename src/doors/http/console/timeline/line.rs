@@ -316,6 +316,7 @@ fn class(fact: &Fact) -> Option<&'static str> {
         | Fact::HandedOver { .. }
         | Fact::SearchAgain(_)
         | Fact::AreasOrdered(_)
+        | Fact::AreaClosed(..)
         | Fact::Retrieval(_) => {
             return None;
         }
