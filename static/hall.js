@@ -309,7 +309,7 @@ const hall = (() => {
     if (event.target !== stage || event.ctrlKey || event.metaKey || event.altKey) return;
     const step = Math.min(size.width, size.height) / 5;
     const keys = {
-      "+": () => zoom(STEP), "=": () => zoom(STEP), "-": () => zoom(1 / STEP), 0: fit,
+      "+": () => zoom(STEP), "=": () => zoom(STEP), "-": () => zoom(1 / STEP), 0: fit, c: () => at("covered").click(),
       ArrowLeft: () => move(-step, 0), ArrowRight: () => move(step, 0), ArrowUp: () => move(0, -step), ArrowDown: () => move(0, step),
     };
     const act = keys[event.key];

@@ -23,6 +23,7 @@ macro_rules! files {
         [
             include_str!(concat!($language, "/common.ftl")),
             include_str!(concat!($language, "/console.ftl")),
+            include_str!(concat!($language, "/coverage.ftl")),
             include_str!(concat!($language, "/log.ftl")),
             include_str!(concat!($language, "/said.ftl")),
             include_str!(concat!($language, "/editor.ftl")),

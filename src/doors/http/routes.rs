@@ -192,6 +192,7 @@ fn page() -> Vec<RouteRow> {
         get("/luggage/{id}", See, console::photo::page),
         get("/console/live", See, console::live),
         get("/console/bar", See, console::bar),
+        get("/console/coverage", See, console::coverage),
         get("/console/missions/{id}/moment", See, console::moments::message),
         get("/console/confirm/danger/{id}", Act, console::confirm_danger),
         get("/console/confirm/reset", Act, console::confirm_reset),

@@ -7,9 +7,10 @@ use super::carriers::{fetched, fetched_lies_at, has_entrance, searcher_at};
 use super::drawing::{CELL, draw_luggage, larger, middle, shown, turn, write};
 use super::entrance::Entrance;
 use super::pieces;
-use crate::phrases::Language;
+use crate::phrases::{Language, Phrase};
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::{Cell, Heading};
+use hallsweep_core::world::coverage::{Coverage, Sensor, Views};
 use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark, TILE};
 use hallsweep_core::world::luggage::Luggage;
 
@@ -17,6 +18,9 @@ use hallsweep_core::world::luggage::Luggage;
 const TRAIL: usize = 48;
 
 const FADES: usize = 4;
+
+/// Number of levels in which the coverage is drawn.
+pub(super) const LEVELS: usize = 4;
 
 /// Maximum number of labels at one edge. If there is no room for a label at each cell, only every fifth, tenth, …
 /// cell has one.
@@ -201,6 +205,37 @@ fn draw_robot((x, y): (i32, i32), turn: i32, size: i32, led_blinking: bool, clas
          <circle class=\"body\" r=\"4\"/><path class=\"nose\" d=\"M0 -3.4L2.4 1.2H-2.4Z\"/>\
          <circle class=\"{led}\" cy=\"2.3\" r=\"0.9\"/></g></g>{name}</g>"
     )
+}
+
+/// Draws how well each cell was searched, over the floor: four levels of the probability of detection, or of the number of
+/// views if the sensor is not calibrated.
+pub(super) fn coverage(coverage: &Coverage, sensor: Sensor) -> String {
+    let mut cells: Vec<(Cell, usize)> = coverage.iter().map(|(cell, views)| (cell, level(sensor, views))).collect();
+    cells.sort_unstable_by_key(|(cell, _)| (cell.y, cell.x));
+    let mut paths: [String; LEVELS] = Default::default();
+    for run in cells.chunk_by(|(a, level), (b, next)| level == next && (a.y, a.x + 1) == (b.y, b.x)) {
+        let ((Cell { x, y }, level), length) = (run[0], i32::try_from(run.len()).unwrap_or(i32::MAX) * CELL);
+        write(&mut paths[level], format_args!("M{} {}h{length}v{CELL}h-{length}z", x * CELL, y * CELL));
+    }
+    let mut group = String::from("<g id=\"hall-coverage\">");
+    for (level, path) in paths.iter().enumerate() {
+        stroke(&mut group, &format!("looked looked-{level}"), path);
+    }
+    group.push_str("</g>");
+    group
+}
+
+fn level(sensor: Sensor, views: Views) -> usize {
+    match sensor.detection(views) {
+        Some(share) => [0.5, 0.8, 0.95].into_iter().filter(|least| share >= *least).count(),
+        None => (views.count() as usize).clamp(1, LEVELS) - 1,
+    }
+}
+
+/// Returns what a level of `coverage` means.
+pub(super) fn looked(language: Language, sensor: Sensor, level: usize) -> Phrase<'static> {
+    const LEVEL: [&str; LEVELS] = ["0", "1", "2", "3"];
+    language.say_of(if sensor.model.is_some() { "coverage-pod" } else { "coverage-views" }, LEVEL[level])
 }
 
 fn areas(map: &HallMap, corner: Cell, wanted: Mark) -> String {

@@ -71,6 +71,13 @@ pub(super) async fn bar(State(door): State<HttpDoor>, Spoken(language): Spoken) 
     html(&parts::Elsewhere { v: &view })
 }
 
+/// `GET console/coverage`: how well each cell was searched, as a part of the picture of the hall. The page asks for it only
+/// while it is shown, because it is large.
+pub(super) async fn coverage(State(door): State<HttpDoor>) -> Html<String> {
+    let snapshot = door.handle.snapshot();
+    Html(hall::coverage(&snapshot.coverage, snapshot.venue.sensor))
+}
+
 /// `POST console/start` and every other form except the form of STOP. If a form was recognised as a STOP, it is
 /// carried out as STOP, whatever else it contains.
 pub(super) async fn act(sender: CommandSender, uri: Uri, headers: HeaderMap, form: Result<Form<Fields>, Problem>) -> Response {

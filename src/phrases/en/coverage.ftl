@@ -1,0 +1,11 @@
+coverage-layer = Coverage
+coverage-layer-key = Show how well each cell was searched (C)
+coverage-pod-0 = detection below 50 %
+coverage-pod-1 = 50 to 80 %
+coverage-pod-2 = 80 to 95 %
+coverage-pod-3 = 95 % or more
+coverage-views-0 = looked at from one place
+coverage-views-1 = from two places
+coverage-views-2 = from three places
+coverage-views-3 = from four or more places
+keys-coverage = in the picture of the hall: show how well each cell was searched

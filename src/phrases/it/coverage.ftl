@@ -1,0 +1,11 @@
+coverage-layer = Copertura
+coverage-layer-key = Mostra quanto bene è stata perlustrata ogni cella (C)
+coverage-pod-0 = rilevamento sotto il 50 %
+coverage-pod-1 = dal 50 all’80 %
+coverage-pod-2 = dall’80 al 95 %
+coverage-pod-3 = 95 % o più
+coverage-views-0 = vista da un posto
+coverage-views-1 = da due posti
+coverage-views-2 = da tre posti
+coverage-views-3 = da quattro o più posti
+keys-coverage = nell’immagine della sala: mostra quanto bene è stata perlustrata ogni cella
