@@ -40,7 +40,7 @@ fn phrases(language: &str, file: &str) -> BTreeMap<String, String> {
 }
 
 /// A report may use all phrases of these files.
-const WHOLE: [&str; 3] = ["said", "log", "report"];
+const WHOLE: [&str; 4] = ["said", "log", "report", "coverage"];
 
 /// Phrases of other files that a report may use. Each item is an id, or a prefix of ids that ends with a dash.
 const PARTS: [&str; 16] = [
@@ -66,7 +66,7 @@ const PARTS: [&str; 16] = [
 pub(super) fn words() -> Vec<String> {
     let mut words = Vec::new();
     for language in ["en", "it"] {
-        for file in ["common", "console", "log", "missions", "photo", "report", "said", "problems", "simulator"] {
+        for file in ["common", "console", "coverage", "log", "missions", "photo", "report", "said", "problems", "simulator"] {
             for (id, said) in phrases(language, file) {
                 if WHOLE.contains(&file) || PARTS.iter().any(|part| id == *part || (part.ends_with('-') && id.starts_with(part)))
                 {

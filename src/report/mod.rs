@@ -41,8 +41,9 @@ use hallsweep_core::units::{MissionId, Seq};
 /// some pages; tests compare both files with the program. Edition 2 scales down the photos of a large report. It also
 /// names the robots that took part, and says what was not searched. Its chart continues the last reading until the
 /// temperature is not known any more. Edition 3 has the form of a document, with a letterhead and lines to sign on.
-/// Edition 4 says what was found in how many pieces, and who has closed the mission.
-pub const EDITION: u32 = 4;
+/// Edition 4 says what was found in how many pieces, and who has closed the mission. Edition 5 says how far the hall and
+/// its areas were searched.
+pub const EDITION: u32 = 5;
 
 /// Number of entries read at once, so that a long mission is never in memory as a whole.
 const BATCH: usize = 1000;

@@ -16,6 +16,7 @@ use crate::api::time::{Zone, rfc3339};
 use crate::phrases::{Language, Phrase};
 use crate::runtime::archive::{NoTake, Unreadable, hex};
 use hallsweep_core::phase::PhaseName;
+use hallsweep_core::snapshot::searched::SearchedHall;
 use hallsweep_core::state::fact::Fact;
 use hallsweep_core::state::{PersistentState, Reach};
 use hallsweep_core::units::{Seq, WallTime};
@@ -36,6 +37,9 @@ pub(super) fn write(report: &Report<'_>, out: &mut dyn Write) -> Result<(), Fail
         Some(state) => exercise(out, top, state)?,
         None if report.claim.edition > 2 => part(out, &Document { top })?,
         None => part(out, &top)?,
+    }
+    if let Some(state) = state.filter(|_| report.claim.edition > 4) {
+        part(out, &Coverage { language: report.claim.language, all: &SearchedHall::from(state) })?;
     }
     pieces(report, state, out)?;
     let threshold = state.and_then(|state| state.conditions.as_ref()).map(|conditions| conditions.threshold);
@@ -110,6 +114,14 @@ struct Document<'r> {
 struct Exercise<'r> {
     language: Language,
     state: &'r PersistentState,
+}
+
+/// How far the hall was searched, since edition 5.
+#[derive(Template)]
+#[template(path = "report/coverage.html")]
+struct Coverage<'r> {
+    language: Language,
+    all: &'r SearchedHall,
 }
 
 /// Lines for the signatures of the operator and the receiver.

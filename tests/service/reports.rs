@@ -186,8 +186,8 @@ fn a_report_in_which_any_byte_was_changed_is_not_confirmed() {
     check(&claimed(&claim.replace("mission 1", "mission 2")), "the journal has no mission 2 up to entry");
     check(&claimed(&claim.replace(&format!("entry {entry}"), "entry 20")), "");
     check(&claimed(&claim.replace(&format!("entry {entry}"), "entry 999999")), "the journal has no mission 1 up to entry 999999");
-    check(&claimed(&claim.replace("edition 4", "edition 5")), "edition 5, which this hallsweep does not know");
-    check(&claimed(&claim.replace("edition 4", "edition 1")), "in line ");
+    check(&claimed(&claim.replace("edition 5", "edition 6")), "edition 6, which this hallsweep does not know");
+    check(&claimed(&claim.replace("edition 5", "edition 1")), "in line ");
     check(&claimed("anything"), "the file is not a hallsweep report");
     check(&page[..page.len() - 1], "the file has no more text");
     check(&[&page[..], b"\n"].concat(), "and the journal has no more text");

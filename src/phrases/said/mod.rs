@@ -4,6 +4,7 @@
 //! robot or a disk, stay as they are.
 
 mod asked;
+mod coverage;
 mod exercise;
 mod fact;
 mod fault;

@@ -22,6 +22,7 @@ use crate::report::receipt::{Receipt, ReceiptOf};
 use crate::runtime::archive::{Happened, MissionRecord, Unreadable};
 use hallsweep_core::command::Strategy;
 use hallsweep_core::phase::PhaseName;
+use hallsweep_core::snapshot::searched::SearchedHall;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{MissionId, Seq, WallTime};
@@ -231,6 +232,15 @@ impl One {
         let tiles: String = map.tiles().map(|(corner, _)| hall::tile(map, corner)).collect();
         let found = hall::found(self.language, map, entrance(state), state.luggage.iter().map(|luggage| &**luggage));
         format!("{tiles}{found}{}", hall::labels(map))
+    }
+
+    fn coverage(&self, state: &PersistentState) -> String {
+        let tiles: String = state.map.tiles().map(|(corner, _)| hall::tile(&state.map, corner)).collect();
+        format!("{tiles}{}{}", hall::coverage(&state.coverage, state.venue().sensor), hall::labels(&state.map))
+    }
+
+    fn levels(&self, state: &PersistentState) -> [Phrase<'static>; hall::LEVELS] {
+        std::array::from_fn(|level| hall::looked(self.language, state.venue().sensor, level))
     }
 
     fn pieces<'s>(&self, state: &'s PersistentState) -> Vec<(&'s Luggage, Option<String>)> {
