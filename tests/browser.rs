@@ -322,6 +322,23 @@ fn people_sign_in_on_a_phone_and_a_viewer_can_only_stop() {
 }
 
 #[test]
+fn a_person_orders_areas_and_closes_one_by_keys_by_dragging_and_without_scripts() {
+    let areas = [("hall", "0.1", "[0, 0], [4, 9]"), ("gate 2", "0.5", "[9, 0], [15, 5]")];
+    let polygon = ("bar & <b>", "0.05", "[7, 7], [12, 7], [12, 9], [8, 9]");
+    let area = |(name, probability, corners)| {
+        format!("[[area]]\nname = \"{name}\"\nprobability = {probability}\ncorners = [{corners}]\n")
+    };
+    let areas: String = areas.into_iter().chain([polygon]).map(area).collect();
+    for scenario in ["areasByKeys", "areasOnPhone", "areasPlain"] {
+        let Data(folder) = &Data::new(scenario);
+        std::fs::create_dir_all(folder).expect("a folder of ours");
+        let hall = format!("{folder}/areas.toml");
+        std::fs::write(&hall, format!("width = 16\nheight = 10\n{areas}")).expect("it can be written");
+        play(scenario, &["--hall", &hall, "--speed", "2"]);
+    }
+}
+
+#[test]
 fn two_people_judge_apart_and_two_bombs_are_found_and_fetched() {
     let settings = [
         ("HALLSWEEP__MISSION__SAFE_BY", "2"),

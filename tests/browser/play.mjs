@@ -1,6 +1,6 @@
 // Plays one scenario: `node play.mjs SCENARIO URL CHROMIUM SHOTS`. Exit code 0 means that a person would have been
 // content. This file opens the browser, watches it for faults that no page may have, and closes it. The scenarios are
-// in the files beside it: scenarios.mjs, always.mjs (STOP and the keyboard), verdicts.mjs (the moment of the
+// in the files beside it: scenarios.mjs, always.mjs (STOP and the keyboard), areas.mjs, verdicts.mjs (the moment of the
 // verdict), time.mjs (the timeline), italian.mjs, judges.mjs (two judges), laboratory.mjs, large.mjs (large halls),
 // pictures.mjs (for people to look at), report.mjs, retrieval.mjs and simulator.mjs.
 
@@ -9,6 +9,7 @@ import { createInterface } from 'node:readline';
 import { chromium } from 'playwright-core';
 import * as access from './access.mjs';
 import * as always from './always.mjs';
+import * as areas from './areas.mjs';
 import * as italian from './italian.mjs';
 import * as judges from './judges.mjs';
 import * as laboratory from './laboratory.mjs';
@@ -23,7 +24,7 @@ import * as simulator from './simulator.mjs';
 import * as verdicts from './verdicts.mjs';
 
 const [name, url, executablePath, shots] = process.argv.slice(2);
-const modules = [missions, access, always, italian, judges, laboratory, large, pictures, report, retrieval, time, verdicts, simulator];
+const modules = [missions, access, always, areas, italian, judges, laboratory, large, pictures, report, retrieval, time, verdicts, simulator];
 const names = modules.flatMap(Object.keys);
 const twice = names.filter((one, place) => names.indexOf(one) < place);
 if (twice.length > 0) throw new Error(`two scenarios are called ${twice}`);

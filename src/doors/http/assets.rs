@@ -43,6 +43,7 @@ static ASSETS: &[Asset] = assets! {
     "time.js" SCRIPT
     "verdict.css" STYLE
     "photo.js" SCRIPT
+    "areas.js" SCRIPT
     "verdict.js" SCRIPT
     "attention.js" SCRIPT
     "theme.js" SCRIPT

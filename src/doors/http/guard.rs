@@ -317,6 +317,7 @@ mod tests {
             ("GET", "/console/live"),
             ("GET", "/console/confirm/reset"),
             ("GET", "/console/confirm/close"),
+            ("GET", "/console/confirm/closeArea"),
             ("GET", "/console/confirm/handOver"),
             ("GET", "/missions/1/receipts"),
             ("GET", "/api/v1/missions/1/receipts"),

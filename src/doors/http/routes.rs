@@ -64,6 +64,7 @@ fn for_anybody() -> Vec<RouteRow> {
         get("/static/vendor/inter.woff2", Nothing, assets::file),
         get("/static/vendor/icons.svg", Nothing, assets::file),
         get("/static/photo.js", Nothing, assets::file),
+        get("/static/areas.js", Nothing, assets::file),
         get("/static/verdict.js", Nothing, assets::file),
         get("/static/attention.js", Nothing, assets::file),
         get("/static/theme.js", Nothing, assets::file),
@@ -197,6 +198,7 @@ fn page() -> Vec<RouteRow> {
         get("/console/confirm/danger/{id}", Act, console::confirm_danger),
         get("/console/confirm/reset", Act, console::confirm_reset),
         get("/console/confirm/close", Act, console::confirm_close),
+        get("/console/confirm/closeArea", Act, console::confirm_close_area),
         get("/console/confirm/handOver", Act, console::confirm_hand_over),
     ]
 }

@@ -45,6 +45,12 @@ pub(in crate::doors::http) struct Fields {
     later: Option<String>,
 }
 
+/// The area that the page of its closing is about (`?area=…`).
+#[derive(Debug, Deserialize)]
+pub(in crate::doors::http) struct NamedArea {
+    pub(super) area: String,
+}
+
 /// The remarks of the operator beside a verdict. They come from the query of the confirmation page (`?note=…`).
 #[derive(Debug, Default, Deserialize)]
 pub(in crate::doors::http) struct TypedRemarks {
@@ -127,6 +133,8 @@ impl Fields {
             ("safe" | "danger" | "unsure" | "retake", Some(_)) => "verdict".to_owned(),
             ("acknowledge", Some(id)) => format!("alarm-{id}"),
             ("move" | "goto", _) => "drive".to_owned(),
+            ("orderAreas", _) => "areas".to_owned(),
+            ("searchAgain", _) if self.area.is_some() => "areas".to_owned(),
             // The place beside STOP is reserved for messages of the script, so a refusal is shown at the top of the
             // page.
             ("stop", _) => "page".to_owned(),

@@ -33,14 +33,22 @@ const RAY: i32 = 8;
 /// most of the data sent at every step.
 const FRONTIER: usize = 2000;
 
+/// Like `view_box`. It also includes the areas of the hall, as far as they are known before the search.
 pub(super) fn view_box_now(snapshot: &Snapshot) -> String {
-    view_box(&snapshot.map, has_entrance(snapshot).then(|| Entrance::of(&snapshot.map)))
+    let entrance = has_entrance(snapshot).then(|| Entrance::of(&snapshot.map));
+    let corners = snapshot.mission.areas.iter().flat_map(|view| view.area.corners.iter());
+    let wanted = corners.fold(shown(&snapshot.map), |bounds, corner| bounds.including(*corner));
+    framed(&snapshot.map, wanted, entrance)
 }
 
 /// Returns the `viewBox` of the picture, with a margin for the labels. It includes the area before the entrance if
 /// that area is drawn.
 pub(super) fn view_box(map: &HallMap, entrance: Option<Entrance>) -> String {
-    let (shown, margin) = (shown(map), CELL * larger(map));
+    framed(map, shown(map), entrance)
+}
+
+fn framed(map: &HallMap, shown: Bounds, entrance: Option<Entrance>) -> String {
+    let margin = CELL * larger(map);
     let higher = entrance.map_or(0, Entrance::height);
     let (left, top) = (shown.least.x * CELL - margin, shown.least.y * CELL - margin - higher);
     let width = shown.width() * CELL + margin;

@@ -3,6 +3,7 @@
 //! allowed, and the page shows its refusals.
 
 mod acts;
+mod areas;
 mod began;
 mod carriers;
 mod doing;
@@ -41,7 +42,8 @@ use crate::api::door;
 use crate::phrases::Language;
 use crate::runtime::carry_out::Done;
 pub(super) use acts::buttons;
-use acts::{Fields, TypedRemarks};
+use acts::{Fields, NamedArea, TypedRemarks};
+use areas::CloseArea;
 use hallsweep_core::command::{Accepted, Hot};
 use hallsweep_core::units::LuggageId;
 use page::ConsolePage;
@@ -121,6 +123,9 @@ async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields
             let (door, why, [name, receiver, note]) = (&sender.door, problem.in_words(to.language), fields.typed());
             let statement = match act {
                 "close" => Some(close_page(door, to.language, why, [name, note])),
+                "closeArea" => {
+                    Some(html(&CloseArea::new(to.language, &door.handle.snapshot(), fields.area(), why, [name, note])))
+                }
                 "handOver" => Some(hand_over_page(door, to.language, why, [receiver, note])),
                 _ => None,
             };
@@ -173,6 +178,16 @@ fn close_page(door: &HttpDoor, language: Language, why: String, [name, note]: [S
     let (open, code) = (snapshot.mission.open, snapshot.mission.open.code(snapshot.mission.id));
     let finding = language.finding(&snapshot.luggage);
     html(&parts::CloseMission { language, finding, open, code, why, name, note })
+}
+
+/// `GET console/confirm/closeArea?area=…`: says what is open in the area, and asks who closes it.
+pub(super) async fn confirm_close_area(
+    State(door): State<HttpDoor>,
+    Spoken(language): Spoken,
+    named: Result<Query<NamedArea>, QueryRejection>,
+) -> Html<String> {
+    let area = named.map_or_else(|_| String::new(), |Query(named)| named.area);
+    html(&CloseArea::new(language, &door.handle.snapshot(), &area, String::new(), Default::default()))
 }
 
 /// `GET console/confirm/handOver`: asks to whom the mission is handed over.

@@ -29,7 +29,7 @@ impl<'a> ConsolePage<'a> {
 
     /// Returns the tab that is open at first. Without scripts it is the one with the button that was refused.
     fn tab(&self) -> &'static str {
-        let is_of_drive = |why: &Why| ["strategy", "drive"].contains(&&*why.button);
+        let is_of_drive = |why: &Why| ["strategy", "drive", "areas"].contains(&&*why.button);
         if self.v.why.as_ref().is_some_and(is_of_drive) { "drive" } else { "status" }
     }
 

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 
 use askama::Template;
 
+use super::areas;
 use super::carriers::carriers;
 use super::evacuation::{self, from_home};
 use super::hall;
@@ -27,6 +28,7 @@ use hallsweep_core::phase::PhaseName;
 use hallsweep_core::refused::Refused;
 use hallsweep_core::robot::{self, Parts};
 use hallsweep_core::settings::Rules;
+use hallsweep_core::snapshot::AreaView;
 use hallsweep_core::snapshot::log::LogLine;
 use hallsweep_core::snapshot::retrieval::{TreeView, TreesView};
 use hallsweep_core::snapshot::robot::RobotShown;
@@ -49,7 +51,7 @@ pub(super) struct PagePart {
 }
 
 /// All parts, in the order of the page.
-pub(super) const PARTS: [PagePart; 23] = [
+pub(super) const PARTS: [PagePart; 24] = [
     PagePart {
         id: "announce",
         shows: &[Resource::Mission, Resource::Luggage, Resource::Alarms, Resource::Temperature],
@@ -61,6 +63,7 @@ pub(super) const PARTS: [PagePart; 23] = [
         render: |v| html(&Bar { v }),
     },
     PagePart { id: "holds", shows: &[Resource::Mission, Resource::Temperature], render: |v| html(&Holds { v }) },
+    PagePart { id: "hall-areas", shows: &[Resource::Mission, Resource::Map], render: areas::outlines },
     PagePart { id: "hall-labels", shows: &[Resource::Map], render: |v| hall::labels(&v.snapshot.map) },
     PagePart {
         id: "hall-evacuation",
@@ -337,6 +340,36 @@ impl More<'_> {
 
     const fn strategy(&self, strategy: &Strategy) -> Phrase<'static> {
         self.v.say_of("strategy", strategy.name())
+    }
+
+    /// Returns the areas with their numbers in the hall file. The areas in a person's order come first, then the others,
+    /// the most probable first.
+    fn areas(&self) -> Vec<(usize, &AreaView)> {
+        let mut areas: Vec<(usize, &AreaView)> = self.v.snapshot.mission.areas.iter().enumerate().collect();
+        areas.sort_by(|(_, one), (_, other)| {
+            let place = |view: &AreaView| view.order.unwrap_or(usize::MAX);
+            place(one).cmp(&place(other)).then(other.area.probability.total_cmp(&one.area.probability))
+        });
+        areas
+    }
+
+    /// Returns the names in this order, one a line.
+    fn area_names(&self) -> String {
+        self.areas().iter().map(|(_, view)| &*view.area.name).collect::<Vec<_>>().join("\n")
+    }
+
+    fn is_ordered(&self) -> bool {
+        self.v.snapshot.mission.areas.iter().any(|view| view.order.is_some())
+    }
+
+    fn percent(&self, view: &AreaView) -> String {
+        self.v.language.number(&format!("{}", (view.area.probability * 1000.0).round() / 10.0))
+    }
+
+    fn area_state(&self, view: &AreaView) -> String {
+        let Some(closed) = &view.closed else { return self.v.say("area-open").to_string() };
+        let time = self.v.zone().clock_time(closed.wall);
+        self.v.say("area-closed-by").with("name", &closed.name).with("time", time).to_string()
     }
 }
 

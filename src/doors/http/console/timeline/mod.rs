@@ -15,7 +15,7 @@ use crate::phrases::Language;
 use crate::runtime::archive::{Archive, At, Span};
 use hallsweep_core::units::{MissionId, Seq};
 pub(super) use line::{LAST, MOST, Scale, Timeline};
-pub(super) use section::{THRESHOLD_Y, id};
+pub(super) use section::{THRESHOLD_Y, escaped, id};
 
 /// Maximum wait for a timeline. If the disk does not respond, the page shows an incomplete timeline.
 const PATIENCE: Duration = Duration::from_secs(2);

@@ -133,7 +133,7 @@ fn heights(class: &str) -> (i64, i64) {
 
 /// Escapes markup and removes characters that XML does not allow. One such character would make the whole picture
 /// invalid.
-pub(super) fn escaped(words: &str) -> String {
+pub(in crate::doors::http::console) fn escaped(words: &str) -> String {
     let is_of_xml = |c: &char| !matches!(c, '\0'..='\u{8}' | '\u{b}' | '\u{c}' | '\u{e}'..='\u{1f}' | '\u{fffe}' | '\u{ffff}');
     let words: String = words.chars().filter(is_of_xml).collect();
     escape(words.as_str(), Html).map(|safe| safe.to_string()).unwrap_or_default()
