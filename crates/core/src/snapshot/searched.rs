@@ -36,26 +36,14 @@ impl SearchedHall {
     /// Counts the cells. The work grows with the number of known cells.
     #[must_use]
     pub fn of(map: &HallMap, coverage: &Coverage, venue: &Venue) -> SearchedHall {
-        let is_over = map.unsearched() == 0;
-        let areas = venue.areas.iter().map(|area| {
-            let mut count = Count::new(coverage, venue.sensor);
-            let mut cells = 0;
-            for (y, columns) in area.rows() {
-                for columns in columns {
-                    cells += columns.clone().count();
-                    map.known_in(y, columns).for_each(|(cell, mark)| count.add(cell, mark));
-                }
-            }
-            let unknown = cells - count.known;
-            (area.clone(), if is_over { count.finish(0, unknown) } else { count.finish(unknown, 0) })
-        });
-        let areas: Vec<(Area, Searched)> = areas.collect();
-        let mut count = Count::new(coverage, venue.sensor);
-        map.known().for_each(|(cell, mark)| count.add(cell, mark));
+        let searched = |area: &Area| (area.clone(), Searched::of(area, map, coverage, venue.sensor));
         // Unknown cells around the known ones may be outside the hall, so they count only if the hall is known beforehand.
         let Reach { reachable, free } = venue.reach.unwrap_or_default();
-        let never_seen = (reachable as usize).saturating_sub(count.free);
-        SearchedHall { hall: count.finish(never_seen, free.saturating_sub(reachable) as usize), areas }
+        let known_free = map.known().filter(|(_, mark)| mark.is_searched()).count();
+        let (never_seen, unreachable) =
+            ((reachable as usize).saturating_sub(known_free), free.saturating_sub(reachable) as usize);
+        let hall = Searched { never_seen, unreachable, ..Searched::count(map.known(), coverage, venue.sensor) };
+        SearchedHall { hall: hall.with_mean(), areas: venue.areas.iter().map(searched).collect() }
     }
 
     /// The probability that the search has found the bomb so far: the sum of each area's probability times its
@@ -77,49 +65,6 @@ impl SearchedHall {
     }
 }
 
-/// A count of known cells.
-struct Count<'a> {
-    coverage: &'a Coverage,
-    sensor: Sensor,
-    driven: usize,
-    seen_only: usize,
-    known: usize,
-    /// Cells that were found to be free.
-    free: usize,
-    /// Sum of the probabilities of detection.
-    detection: Option<f64>,
-}
-
-impl<'a> Count<'a> {
-    fn new(coverage: &'a Coverage, sensor: Sensor) -> Count<'a> {
-        Count { coverage, sensor, driven: 0, seen_only: 0, known: 0, free: 0, detection: sensor.model.map(|_| 0.0) }
-    }
-
-    fn add(&mut self, cell: Cell, mark: Mark) {
-        let mut views = self.coverage.at(cell);
-        if mark == Mark::Visited && views.bits == 0 {
-            // The robot was put down here. That tells as much as driving into the cell.
-            views.bits = 1;
-        }
-        self.known += 1;
-        self.free += usize::from(mark.is_searched());
-        match mark {
-            Mark::Wall if views.bits == 0 => return,
-            Mark::Visited => self.driven += 1,
-            Mark::Unknown | Mark::Seen | Mark::Wall | Mark::Luggage | Mark::NotInspected => self.seen_only += 1,
-        }
-        self.detection = self.detection.zip(self.sensor.detection(views)).map(|(sum, one)| sum + one);
-    }
-
-    #[expect(clippy::cast_precision_loss, reason = "a hall has fewer cells than 2^53")]
-    fn finish(self, never_seen: usize, unreachable: usize) -> Searched {
-        let Count { driven, seen_only, detection, .. } = self;
-        let searched = Searched { driven, seen_only, never_seen, unreachable, detection: None };
-        let mean = |sum: f64| sum / searched.cells() as f64;
-        Searched { detection: detection.filter(|_| searched.cells() > 0).map(mean), ..searched }
-    }
-}
-
 impl From<&PersistentState> for SearchedHall {
     fn from(state: &PersistentState) -> SearchedHall {
         SearchedHall::of(&state.map, &state.coverage, &state.venue())
@@ -127,6 +72,41 @@ impl From<&PersistentState> for SearchedHall {
 }
 
 impl Searched {
+    /// Counts the cells of one area. Only known cells are visited, because an area may be as large as the hall.
+    #[must_use]
+    pub fn of(area: &Area, map: &HallMap, coverage: &Coverage, sensor: Sensor) -> Searched {
+        let columns = || area.rows().flat_map(|(y, columns)| columns.into_iter().map(move |columns| (y, columns)));
+        let known = || columns().flat_map(|(y, columns)| map.known_in(y, columns));
+        let unknown = columns().map(|(_, columns)| columns.count()).sum::<usize>() - known().count();
+        let (never_seen, unreachable) = if map.unsearched() == 0 { (0, unknown) } else { (unknown, 0) };
+        Searched { never_seen, unreachable, ..Searched::count(known(), coverage, sensor) }.with_mean()
+    }
+
+    /// Counts known cells. `detection` is the sum of their probabilities.
+    fn count(cells: impl Iterator<Item = (Cell, Mark)>, coverage: &Coverage, sensor: Sensor) -> Searched {
+        let mut searched = Searched { detection: sensor.model.map(|_| 0.0), ..Searched::default() };
+        for (cell, mark) in cells {
+            let mut views = coverage.at(cell);
+            match mark {
+                Mark::Wall if views.bits == 0 => continue,
+                Mark::Visited => {
+                    searched.driven += 1;
+                    // The first cell has no view: the robot was put down there, which tells as much as driving into it.
+                    views.bits = views.bits.max(1);
+                }
+                Mark::Unknown | Mark::Seen | Mark::Wall | Mark::Luggage | Mark::NotInspected => searched.seen_only += 1,
+            }
+            searched.detection = searched.detection.zip(sensor.detection(views)).map(|(sum, one)| sum + one);
+        }
+        searched
+    }
+
+    #[expect(clippy::cast_precision_loss, reason = "a hall has fewer cells than 2^53")]
+    fn with_mean(self) -> Searched {
+        let cells = self.cells();
+        Searched { detection: self.detection.filter(|_| cells > 0).map(|sum| sum / cells as f64), ..self }
+    }
+
     /// Number of all counted cells.
     #[must_use]
     pub const fn cells(&self) -> usize {
