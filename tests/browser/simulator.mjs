@@ -129,7 +129,7 @@ export const hallAreas = {
     await page.keyboard.type('0,95');
     await page.keyboard.press('Tab');
     must(/probability = 0.95/.test(await text(page)), 'the probability has lost the keyboard');
-    await page.locator('#findings .why').getByText(/hall\.toml:\d+: the probabilities of the areas up to this one add up to more than 1/).waitFor();
+    await page.locator('#findings .why').getByText(/hall\.toml:\d+: area "Area 2": the probabilities of the areas up to this one add up to more than 1/).waitFor();
     await picture('too-probable');
     const share = page.getByRole('listitem', { name: 'gate "1"' }).getByLabel('Probability');
     await share.fill('much');
@@ -148,7 +148,7 @@ export const hallAreas = {
     for (let steps = 0; steps < 8; steps += 1) for (const key of ['ArrowLeft', 'ArrowUp']) await page.keyboard.press(key);
     await page.keyboard.press('Space');
     await page.keyboard.press('Space');
-    await page.locator('#findings .why').getByText(/hall\.toml:\d+: the cell \(0, 0\) is in the area "gate "1"" too/).waitFor();
+    await page.locator('#findings .why').getByText(/hall\.toml:\d+: area "Area \d": the cell \(0, 0\) is in the area "gate "1"" too/).waitFor();
     await page.keyboard.press('Control+z');
     await page.getByText('a search has nothing to inspect').waitFor();
 

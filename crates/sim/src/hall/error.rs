@@ -89,18 +89,12 @@ pub enum HallFault {
         "the temperature at {at} s comes after the one at {before} s: sort the temperatures by time, with each time only once"
     )]
     TemperatureOrder { at: String, before: String },
-    #[error("{0}")]
-    Area(AreaFault),
     #[error("a corner has {0} numbers: give its column and its row")]
     NoCorner(usize),
-    /// The fault has a cell of the drawing.
-    #[error(
-        "{fault}: correct the corners of this area (column and row, counted from 0 in the north-west corner; this hall has \
-         {columns} × {rows} cells)"
-    )]
-    AreaPlace { fault: AreaFault, columns: i32, rows: i32 },
-    #[error("this area has only walls: give corners round floor or luggage, or remove the area")]
-    AreaOfWalls,
+    #[error("area \"{name}\": {fault}{}", place(fault, *columns, *rows))]
+    Area { name: String, fault: AreaFault, columns: i32, rows: i32 },
+    #[error("area \"{0}\": it has only walls: give corners round floor or luggage, or remove the area")]
+    AreaOfWalls(String),
     #[error("the speed of the player is {0}, or missing: give the speed of the page, from 0.014 (5 s per cell) to 1.33 (50 ms)")]
     PlayerSpeed(String),
     #[error("this is not a MovingAI map: line {line} {} instead of `{form}`", said(.found))]
@@ -210,6 +204,13 @@ fn said(found: &str) -> String {
         (_, None) => format!("reads {shown:?}"),
         (_, Some(_)) => format!("begins with {shown:?}"),
     }
+}
+
+/// Tells the author how the cell in a fault is counted.
+fn place(fault: &AreaFault, columns: i32, rows: i32) -> String {
+    let has_cell = matches!(fault, AreaFault::Outside(_) | AreaFault::Overlap(..));
+    let counted = "correct the corners of this area (column and row, counted from 0 in the north-west corner; this hall has";
+    if has_cell { format!(": {counted} {columns} × {rows} cells)") } else { String::new() }
 }
 
 impl HallFault {

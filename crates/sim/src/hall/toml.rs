@@ -242,19 +242,18 @@ impl Source<'_> {
         let drawing = Bounds { least: Cell::HOME, most: Cell::new(columns - 1, rows - 1) };
         Area::check(&areas, drawing).map_err(|(index, fault)| {
             let NamedArea { name, probability, corners } = &given[index];
-            match fault {
-                AreaFault::TooMany(_) | AreaFault::Name | AreaFault::SameName => self.at(&name.span(), HallFault::Area(fault)),
-                AreaFault::Probability | AreaFault::Sum => self.at(&probability.span(), HallFault::Area(fault)),
-                AreaFault::Corners(_) => self.at(&corners.span(), HallFault::Area(fault)),
-                AreaFault::Outside(_) | AreaFault::Overlap(..) => {
-                    self.at(&corners.span(), HallFault::AreaPlace { fault, columns, rows })
-                }
-            }
+            let span = match fault {
+                AreaFault::TooMany(_) | AreaFault::Name | AreaFault::SameName => name.span(),
+                AreaFault::Probability | AreaFault::Sum => probability.span(),
+                AreaFault::Corners(_) | AreaFault::Outside(_) | AreaFault::Overlap(..) => corners.span(),
+            };
+            let name = name.get_ref().chars().take(Area::NAME).collect();
+            self.at(&span, HallFault::Area { name, fault, columns, rows })
         })?;
         let areas = relative_to(hall.home(), &areas);
         let of_walls = |area: &Area| area.cells().all(|cell| hall.truth(cell) == Truth::Wall);
         match areas.iter().zip(given).find(|(area, _)| of_walls(area)) {
-            Some((_, given)) => Err(self.at(&given.corners.span(), HallFault::AreaOfWalls)),
+            Some((area, given)) => Err(self.at(&given.corners.span(), HallFault::AreaOfWalls(area.name.to_string()))),
             None => Ok(areas),
         }
     }
@@ -467,7 +466,7 @@ celsius = 21.5
     #[test]
     fn areas_are_counted_from_the_corner_of_the_drawing_in_the_file_and_from_the_start_on_the_map() {
         let text = HALL.replace("S.a", ".Sa") + &area("gate 1", "0.25", "[[0, 0], [1, 1]]") + &area("b", "0", "[[2, 0]]");
-        check(&text, "halls/x.toml:28: the area has 1 corners: give 2 to 32, two for a rectangle");
+        check(&text, "halls/x.toml:28: area \"b\": the area has 1 corners: give 2 to 32, two for a rectangle");
         let hall = read("x", "x", &text.replace("[[2, 0]]", "[[2, 0], [2, 1], [2, 0]]")).unwrap();
         let [gate, line] = &**hall.areas() else { panic!("two areas: {:?}", hall.areas()) };
         assert_eq!((&*gate.name, gate.probability, &*line.name, line.probability), ("gate 1", 0.25, "b", 0.0));
@@ -488,25 +487,30 @@ celsius = 21.5
         let says = |text: &str, expect: &str| check(&with_areas(text), &format!("halls/x.toml:{expect}"));
         let corners = "correct the corners of this area (column and row, counted from 0 in the north-west corner; this hall has";
         let place = format!("{corners} 3 × 2 cells)");
-        let outside = |corner: &str| format!("8: the corner {corner} is outside the hall: {place}");
+        let outside = |corner: &str| format!("8: area \"a\": the corner {corner} is outside the hall: {place}");
         says(&area("a", "0.6", "[[0, 0], [3, 0]]"), &outside("(3, 0)"));
         says(&area("a", "0.6", "[[0, -1], [1, 0]]"), &outside("(0, -1)"));
         says(&area("a", "0.6", "[[0, 0], [2147483647, -2147483648]]"), &outside("(2147483647, -2147483648)"));
-        let overlap = format!("12: the cell (1, 0) is in the area \"a\" too: {place}");
+        let overlap = format!("12: area \"b\": the cell (1, 0) is in the area \"a\" too: {place}");
         says(&(good.clone() + &area("b", "0.1", "[[1, 0], [1, 1]]")), &overlap);
-        says(&(good.clone() + &area("a", "0.1", "[[0, 1], [1, 1]]")), "10: an earlier area has the same name");
-        says(&(good.clone() + &area("b", "0.5", "[[0, 1], [1, 1]]")), "11: the probabilities of the areas up to this one");
-        says(&area("a", "0.6", "[[2, 0], [2, 1]]"), "8: this area has only walls: give corners round floor or luggage");
+        says(&(good.clone() + &area("a", "0.1", "[[0, 1], [1, 1]]")), "10: area \"a\": an earlier area has the same name");
+        says(
+            &(good.clone() + &area("b", "0.5", "[[0, 1], [1, 1]]")),
+            "11: area \"b\": the probabilities of the areas up to this one",
+        );
+        says(&area("a", "0.6", "[[2, 0], [2, 1]]"), "8: area \"a\": it has only walls: give corners round floor or luggage");
         for number in ["nan", "inf", "-inf", "-0.1", "1.1", "1e308"] {
-            says(&area("a", number, "[[0, 0], [1, 0]]"), "7: the probability is a number from 0 to 1");
+            says(&area("a", number, "[[0, 0], [1, 0]]"), "7: area \"a\": the probability is a number from 0 to 1");
         }
         for name in ["", " a", "a\\n", &"n".repeat(41)] {
-            says(&area(name, "0.6", "[[0, 0], [1, 0]]"), "6: the name of an area is one line of 1 to 40 visible characters");
+            let said = read("x", "x", &with_areas(&area(name, "0.6", "[[0, 0], [1, 0]]"))).unwrap_err().to_string();
+            assert!(said.starts_with("x:6: area \""), "{said}");
+            assert!(said.ends_with(": the name of an area is one line of 1 to 40 visible characters"), "{said}");
         }
         let polygon = |corners: usize| format!("[{}]", "[0, 0], ".repeat(corners));
         assert!(read("x", "x", &with_areas(&area("a", "0.6", &polygon(32)))).is_ok());
         for (corners, given) in [("[]".to_owned(), 0), (polygon(33), 33), (polygon(100_000), 100_000)] {
-            says(&area("a", "0.6", &corners), &format!("8: the area has {given} corners: give 2 to 32"));
+            says(&area("a", "0.6", &corners), &format!("8: area \"a\": the area has {given} corners: give 2 to 32"));
         }
         for (corners, wrong) in [("[[99999999999, 0], [1, 1]]", "99999999999"), ("[[0.5, 0], [1, 1]]", "0.5")] {
             let error = read("x", "x", &with_areas(&area("a", "0.6", corners))).unwrap_err().to_string();
@@ -518,6 +522,6 @@ celsius = 21.5
         says(&format!("{good}colour = \"red\"\n"), "9: unknown field `colour`, expected one of `name`, `probability`");
         says("[[area]]\nname = \"a\"\n", "5: missing field `probability`");
         let many: String = (0..10_000).map(|n| area(&format!("a{n}"), "0", "[[0, 0], [1, 0]]")).collect();
-        says(&many, "262: there are 10000 areas: give at most 64");
+        says(&many, "262: area \"a64\": there are 10000 areas: give at most 64");
     }
 }
