@@ -74,22 +74,14 @@ impl Senses {
 
     /// Recognises the obstacle ahead of `before`, which is `pose` or a free cell ahead of it. The robot is in `pose`.
     pub(super) fn recognise(&mut self, pose: Pose, before: Pose) -> Obstacle {
-        let obstacle = recognise::obstacle_ahead(&self.hall, before);
-        let sees = |piece, seed| {
-            let bag = self.hall.bag(piece);
-            bag.is_none_or(|bag| misses::recognises(&self.hall, seed, bag, before.ahead(), pose))
-        };
-        let is_missed = match (obstacle, self.misses) {
-            (Obstacle::Luggage(piece), Some(seed)) => !sees(piece, seed),
-            (Obstacle::Luggage(_) | Obstacle::Wall { .. } | Obstacle::Unknown, _) => false,
-        };
-        if self.camera.happens(self.unknown_rate) {
-            Obstacle::Unknown
-        } else if is_missed {
-            Obstacle::Wall { left: 0, right: 0 }
-        } else {
-            obstacle
+        let mut obstacle = recognise::obstacle_ahead(&self.hall, before);
+        if let (Obstacle::Luggage(piece), Some(seed)) = (obstacle, self.misses)
+            && let Some(bag) = self.hall.bag(piece)
+            && !misses::recognises(&self.hall, seed, bag, before.ahead(), pose)
+        {
+            obstacle = Obstacle::Wall { left: 0, right: 0 };
         }
+        if self.camera.happens(self.unknown_rate) { Obstacle::Unknown } else { obstacle }
     }
 
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the distance is clamped to the sonar's range")]
