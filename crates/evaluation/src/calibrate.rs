@@ -28,7 +28,7 @@ const SIDE: usize = 20;
 
 /// One pass of a piece.
 #[derive(Clone, Copy, Debug)]
-struct Pass {
+pub struct Pass {
     /// Distance of the new view, in cells.
     distance: u8,
     was_found: bool,
@@ -37,10 +37,6 @@ struct Pass {
     stated: f64,
 }
 
-/// All passes of some searches.
-#[derive(Clone, Debug)]
-pub struct Passes(Vec<Pass>);
-
 /// The passes with about the same stated probability.
 #[derive(Clone, Copy, Debug)]
 pub struct Bin {
@@ -48,48 +44,48 @@ pub struct Bin {
     /// Mean of the stated probabilities.
     pub stated: f64,
     /// Share of the passes after which the piece was found.
-    pub measured: f64,
+    pub found: f64,
 }
 
-impl Passes {
-    /// Makes this number of searches and collects the passes of all pieces.
-    #[must_use]
-    pub fn of(searches: usize, seed: u64) -> Passes {
-        Passes(parallel::each(searches, |n, _| search(n, seed, true)).concat())
-    }
+/// Makes this number of searches and collects the passes of all pieces.
+#[must_use]
+pub fn passes(searches: usize, seed: u64) -> Vec<Pass> {
+    parallel::each(searches, |n, _| search(n, seed, true)).concat()
+}
 
-    /// Returns the sweep widths that follow from these passes, as a file that the core reads. A width follows from the
-    /// share of the passes that find a piece which was not found before.
-    #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "no search makes 2^53 passes")]
-    pub fn widths(&self, origin: &str) -> String {
-        let mut text: String = origin.lines().map(|line| format!("# {line}\n")).collect();
-        for distance in 1..RANGES as u8 {
-            let looks = || self.0.iter().filter(|pass| pass.distance == distance && !pass.was_found);
-            let (all, missed) = (looks().count(), looks().filter(|pass| !pass.is_found).count());
-            // Half a miss more keeps the width finite if every look has found its piece.
-            let share = (missed as f64 + 0.5) / (all as f64 + 1.0);
-            let _ = writeln!(text, "# {all} looks from {distance} cells, {missed} misses");
-            let _ = writeln!(text, "{distance} {:.3}", -share.ln() * Sensor::CALIBRATED_M);
+/// Returns the sweep widths that follow from these passes, as lines of Rust for `hallsweep_core::world::sweep`. A width
+/// follows from the share of the passes that find a piece which was not found before.
+#[must_use]
+#[expect(clippy::cast_precision_loss, reason = "no search makes 2^53 passes")]
+pub fn widths(passes: &[Pass]) -> String {
+    let mut text = String::new();
+    for distance in 1..RANGES as u8 {
+        let looks = || passes.iter().filter(|pass| pass.distance == distance && !pass.was_found);
+        let (all, missed) = (looks().count(), looks().filter(|pass| !pass.is_found).count());
+        // Half a miss more keeps the width finite if every look has found its piece.
+        let share = (missed as f64 + 0.5) / (all as f64 + 1.0);
+        let width_m = -share.ln() * Sensor::CALIBRATED_M;
+        let _ = writeln!(text, "    {width_m:.3}, // {distance} cells: {all} looks, {missed} misses");
+    }
+    text
+}
+
+/// Compares the stated probability with the share of found pieces, in ten bins of stated probability. Bins without
+/// passes are left out.
+#[must_use]
+#[expect(clippy::cast_precision_loss, reason = "no search makes 2^53 passes")]
+pub fn bins(passes: &[Pass]) -> Vec<Bin> {
+    let bin = |bin: usize| {
+        let is_within = |pass: &&Pass| ((pass.stated * 10.0) as usize).min(9) == bin;
+        let within: Vec<&Pass> = passes.iter().filter(is_within).collect();
+        let share = |sum: f64| sum / within.len() as f64;
+        Bin {
+            passes: within.len(),
+            stated: share(within.iter().map(|pass| pass.stated).sum()),
+            found: share(within.iter().filter(|pass| pass.is_found).count() as f64),
         }
-        text
-    }
-
-    /// Compares the stated probability with the share of found pieces, in ten bins of stated probability.
-    #[must_use]
-    #[expect(clippy::cast_precision_loss, reason = "no search makes 2^53 passes")]
-    pub fn bins(&self) -> [Bin; 10] {
-        std::array::from_fn(|bin| {
-            let is_within = |pass: &&Pass| ((pass.stated * 10.0) as usize).min(9) == bin;
-            let within: Vec<&Pass> = self.0.iter().filter(is_within).collect();
-            let share = |sum: f64| sum / within.len().max(1) as f64;
-            Bin {
-                passes: within.len(),
-                stated: share(within.iter().map(|pass| pass.stated).sum()),
-                measured: share(within.iter().filter(|pass| pass.is_found).count() as f64),
-            }
-        })
-    }
+    };
+    (0..10).map(bin).filter(|bin| bin.passes > 0).collect()
 }
 
 fn search(n: usize, seed: u64, camera_misses: bool) -> Vec<Pass> {
@@ -122,25 +118,22 @@ mod tests {
     /// Checks the probabilities that the console states. The searches are others than those of the calibration.
     #[test]
     fn what_is_stated_is_found_as_often_as_stated() {
-        let bins = Passes::of(1000, 3).bins();
-        for (n, Bin { passes, stated, measured }) in bins.into_iter().enumerate().filter(|(_, bin)| bin.passes >= 400) {
-            assert!((stated - measured).abs() <= 0.05, "bin {n} of {passes} passes: {stated:.3} stated, {measured:.3} found");
-        }
-        assert!(bins.iter().filter(|bin| bin.passes >= 400).count() >= 7, "the camera must be judged near and far: {bins:?}");
+        let bins = bins(&passes(1000, 3));
+        let judged = bins.iter().filter(|bin| bin.passes >= 400);
+        judged.clone().for_each(|bin| assert!((bin.stated - bin.found).abs() <= 0.05, "{bin:?}"));
+        assert!(judged.count() >= 7, "the camera must be judged near and far: {bins:?}");
     }
 
     #[test]
     fn the_shipped_sweep_widths_follow_from_the_searches_that_they_name() {
-        let shipped = include_str!("../../core/sweep/sim-camera.txt");
-        let origin = shipped.lines().next().and_then(|line| line.strip_prefix("# ")).expect("the file names its origin");
-        assert_eq!(Passes::of(1000, 1).widths(origin), shipped);
+        let (widths, shipped) = (widths(&passes(1000, 1)), include_str!("../../core/src/world/sweep.rs"));
+        assert!(shipped.contains(&format!("[\n{widths}]")), "{widths}");
     }
 
     /// The bins tell another camera from the calibrated one, so they can fail.
     #[test]
     fn a_camera_that_misses_nothing_is_told_from_the_calibrated_one() {
-        let passes = Passes((0..40).flat_map(|n| search(n, 1, false)).collect());
-        let is_off = |bin: &Bin| bin.passes > 0 && (bin.measured - bin.stated).abs() > 0.05;
-        assert!(passes.bins().iter().any(is_off), "{:?}", passes.bins());
+        let bins = bins(&(0..40).flat_map(|n| search(n, 1, false)).collect::<Vec<_>>());
+        assert!(bins.iter().any(|bin| (bin.found - bin.stated).abs() > 0.05), "{bins:?}");
     }
 }

@@ -6,8 +6,9 @@
 //! track is as long as a cell, and A is the cell.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, LazyLock};
+use std::sync::Arc;
 
+use super::sweep::SIM_CAMERA;
 use super::tiles::{TILE, cells_of, place_in_tile, tile_of};
 use crate::units::{Cell, Heading, WallTime};
 
@@ -30,28 +31,9 @@ impl Sensor {
     #[must_use]
     pub fn detection(self, views: Views) -> Option<f64> {
         let SensorModel::SimCamera = self.model?;
-        let of_each = (1..=FURTHEST).zip(*SIM_CAMERA).map(|(distance, width_m)| f64::from(views.at_distance(distance)) * width_m);
+        let of_each = (1..=FURTHEST).zip(SIM_CAMERA).map(|(distance, width_m)| f64::from(views.at_distance(distance)) * width_m);
         Some(1.0 - (-of_each.sum::<f64>() / Sensor::CALIBRATED_M).exp())
     }
-}
-
-/// The sweep widths for views from 1 to `FURTHEST` cells, in metres.
-static SIM_CAMERA: LazyLock<[f64; FURTHEST as usize]> =
-    LazyLock::new(|| widths(include_str!("../../sweep/sim-camera.txt")).expect("a test reads the shipped sweep widths"));
-
-/// Reads a file with one line for each distance: the distance in cells, and the sweep width in metres. A distance without
-/// a line has a width of 0. Lines that begin with `#` are notes. Returns the first line that is not valid.
-fn widths(text: &str) -> Result<[f64; FURTHEST as usize], String> {
-    let mut widths = [0.0; FURTHEST as usize];
-    for line in text.lines().filter(|line| !line.starts_with('#')) {
-        let mut words = line.split_whitespace();
-        let distance = words.next().and_then(|word| word.parse::<usize>().ok()?.checked_sub(1));
-        let width = words.next().and_then(|word| word.parse().ok()).filter(|width_m| (0.0..100.0).contains(width_m));
-        let place = distance.and_then(|distance| widths.get_mut(distance));
-        let (Some(place), Some(width), None) = (place, width, words.next()) else { return Err(line.to_owned()) };
-        *place = width;
-    }
-    Ok(widths)
 }
 
 /// The sensor of the searching robot.
@@ -178,12 +160,5 @@ mod tests {
         assert!((1.0 - (1.0 - near) * (1.0 - far) - both).abs() < 1e-12, "the coverages add up");
         assert_eq!(sensor.detection(Views::default()), Some(0.0));
         assert_eq!(Sensor { model: None, ..sensor }.detection(Views { bits: 1, minute: 0 }), None);
-    }
-
-    #[test]
-    fn a_line_of_sweep_widths_that_is_not_valid_is_named() {
-        for line in ["x 1", "0 1", "9 1", "1 -1", "1 NaN", "1 1 1", "1", ""] {
-            assert_eq!(widths(&format!("# note\n{line}")).err(), (!line.is_empty()).then(|| line.to_owned()));
-        }
     }
 }

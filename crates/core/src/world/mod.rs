@@ -10,5 +10,6 @@ mod mark;
 pub mod records;
 pub mod resource;
 pub mod scores;
+mod sweep;
 pub mod temperature;
 mod tiles;

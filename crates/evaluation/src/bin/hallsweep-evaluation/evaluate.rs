@@ -16,7 +16,7 @@ use hallsweep_core::search::costs::Costs;
 use hallsweep_core::search::ways::Ways;
 use hallsweep_core::search::{Objective, Terms};
 use hallsweep_evaluation::areas::{ROWS, gain};
-use hallsweep_evaluation::calibrate::Passes;
+use hallsweep_evaluation::calibrate::{bins, passes, widths};
 use hallsweep_evaluation::compare::{Contest, Entrant, Halls, Kind, KindError, Measure, Timings, Trial, rows, tour};
 use hallsweep_evaluation::family::Family;
 use hallsweep_evaluation::time_left::{Held, held};
@@ -168,9 +168,11 @@ const SEARCHES: usize = 1000;
 
 fn calibrate(flags: &Evaluate) -> String {
     let (tuned, judged) = (flags.seed, flags.seed.wrapping_add(1));
-    let origin = format!("Sweep widths of the simulated camera, from {SEARCHES} searches with seed {tuned}.");
-    let widths = Passes::of(SEARCHES, tuned).widths(&origin);
-    report::calibration(&widths, SEARCHES, judged, &Passes::of(SEARCHES, judged).bins())
+    let (widths, bins) = (widths(&passes(SEARCHES, tuned)), report::bins(&bins(&passes(SEARCHES, judged))));
+    format!(
+        "{widths}\nSweep widths in metres, from {SEARCHES} searches with seed {tuned}.\n\n{bins}\n\n\
+         The probabilities that this build states, in {SEARCHES} searches with seed {judged}."
+    )
 }
 
 fn areas(flags: &Evaluate) -> String {

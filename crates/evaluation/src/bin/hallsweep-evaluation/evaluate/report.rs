@@ -52,21 +52,16 @@ pub(super) fn time_left(held: &[(Family, Held)]) -> String {
     format!("{}\n\nShares of the time that searches took, in halls of 12x9 to 50x50 cells.", aligned(&table))
 }
 
-/// The sweep widths as a file, and a table that compares the probabilities stated by this build with what was measured.
-pub(super) fn calibration(widths: &str, searches: usize, seed: u64, bins: &[Bin]) -> String {
+/// A table that compares the probabilities that this build states with what was found.
+pub(super) fn bins(bins: &[Bin]) -> String {
     let percent = |share: f64| format!("{:.1} %", share * 100.0);
-    let mut table = vec![["stated", "passes", "mean stated", "found", "difference"].map(str::to_owned).to_vec()];
-    table.extend(bins.iter().enumerate().map(|(n, Bin { passes, stated, measured })| {
-        let range = format!("{} to {} %", n * 10, n * 10 + 10);
-        let figures =
-            [*stated, *measured, measured - stated].map(|share| if *passes == 0 { "-".to_owned() } else { percent(share) });
-        [range, passes.to_string()].into_iter().chain(figures).collect()
-    }));
-    format!("{widths}\n{}\n\nThe sweep widths of this build in {searches} searches with seed {seed}.", aligned(&table))
+    let mut table = vec![["passes", "stated", "found"].map(str::to_owned).to_vec()];
+    table.extend(bins.iter().map(|bin| vec![bin.passes.to_string(), percent(bin.stated), percent(bin.found)]));
+    aligned(&table)
 }
 
-pub(super) fn areas(gains: &[((&str, u8, bool), Gain)], seed: u64) -> String {
-    let head = ["halls", "sonar", "probabilities", "without areas", "with areas", "ratio", "ratio of the whole search"];
+pub(super) fn areas(gains: &[((&str, u8), Gain)], count: u32, seed: u64) -> String {
+    let head = ["halls", "sonar", "without areas", "with areas", "ratio", "ratio of the whole search"];
     let mut table = vec![head.map(str::to_owned).to_vec()];
     table.extend(gains.iter().map(|((halls, sonar_cells, is_flat), gain)| {
         let probabilities = if *is_flat { "equal" } else { "random" };
