@@ -177,15 +177,14 @@ fn calibrate(flags: &Evaluate) -> String {
 
 fn areas(flags: &Evaluate) -> String {
     let bar = progress_bar(ROWS.len() as u64);
-    let gains = ROWS.map(|row @ (kind, sonar_cells, is_flat)| {
+    let gains = ROWS.map(|row @ (kind, sonar_cells)| {
         bar.set_message(kind);
-        let kind = kind.parse().expect("a test measures all rows");
-        let gain = gain(kind, sonar_cells, is_flat, flags.count as usize, flags.seed);
+        let gain = gain(kind.parse().expect("a test measures all rows"), sonar_cells, flags.count as usize, flags.seed);
         bar.inc(1);
         (row, gain.expect("there is at least one hall"))
     });
     bar.finish_and_clear();
-    report::areas(&gains, flags.seed)
+    report::areas(&gains, flags.count, flags.seed)
 }
 
 #[expect(clippy::disallowed_methods, reason = "how long a decision takes is one of the figures")]

@@ -3,7 +3,7 @@
 use super::{Answer, Measure, Question};
 use hallsweep_core::command::Strategy;
 use hallsweep_core::search::Terms;
-use hallsweep_evaluation::areas::{Gain, TUNED};
+use hallsweep_evaluation::areas::Gain;
 use hallsweep_evaluation::calibrate::Bin;
 use hallsweep_evaluation::compare::{Contest, Entrant, Estimate, against as differences, decisions, over};
 use hallsweep_evaluation::drawing::{self, Band, Dot};
@@ -63,16 +63,14 @@ pub(super) fn bins(bins: &[Bin]) -> String {
 pub(super) fn areas(gains: &[((&str, u8), Gain)], count: u32, seed: u64) -> String {
     let head = ["halls", "sonar", "without areas", "with areas", "ratio", "ratio of the whole search"];
     let mut table = vec![head.map(str::to_owned).to_vec()];
-    table.extend(gains.iter().map(|((halls, sonar_cells, is_flat), gain)| {
-        let probabilities = if *is_flat { "equal" } else { "random" };
-        let mut line = vec![(*halls).to_owned(), sonar_cells.to_string(), probabilities.to_owned()];
+    table.extend(gains.iter().map(|((halls, sonar_cells), gain)| {
+        let mut line = vec![(*halls).to_owned(), sonar_cells.to_string()];
         line.extend([gain.to_bomb[0], gain.to_bomb[1], gain.ratio, gain.whole].map(|estimate| estimate.to_string()));
         line
     }));
-    let halls = gains.first().map_or(0, |(_, gain)| gain.ratio.count);
     format!(
-        "{}\n\nExpected cost until the bomb is found, in steps: means of {halls} halls each, with their 95 % intervals.\n\
-         These halls have seed {seed}. The choice of areas was tuned with halls of seed {TUNED}.",
+        "{}\n\nExpected cost until the bomb is found, in steps: means of {count} halls each, with their 95 % intervals.\n\
+         These halls have seed {seed}. The choice of areas was tuned with halls of seed 1.",
         aligned(&table)
     )
 }
