@@ -21,10 +21,7 @@ const A_CELL: [f64; 2] = [1.8, 0.6];
 /// Share of the chosen region's density from which another region is searched together with it.
 const SIMILAR: f64 = 0.7;
 
-/// Number of cells after which a flood ends as soon as it has found something to search.
-const MANY: usize = 1 << 16;
-
-/// Number of cells after which a flood always ends. Areas farther away are chosen when the robot has come closer.
+/// Number of cells after which a flood ends. Areas farther away are chosen when the robot has come closer.
 const MOST: usize = 1 << 18;
 
 /// What is left of a region.
@@ -77,7 +74,7 @@ impl<'a> View<'a> {
             }
             Square::Obstacle | Square::Luggage | Square::KeptOut => false,
         };
-        let (mut left, mut cells, mut found) = (vec![Left::default(); plan.regions.len()], 0, false);
+        let (mut left, mut cells) = (vec![Left::default(); plan.regions.len()], 0);
         let _nowhere = ways.steps.flood(grid, grid.spot(self.pose.cell), passable, |spot, steps| {
             cells += 1;
             let square = grid.here(spot);
@@ -87,10 +84,9 @@ impl<'a> View<'a> {
                 left[region].cells += share;
                 if share > 0.0 || plan.order.contains(&region) {
                     left[region].nearest.get_or_insert((spot, steps));
-                    found |= plan.order.first().map_or(plan.regions[region].0 > 0.0, |first| region == *first);
                 }
             }
-            cells > MOST || cells > MANY && found
+            cells > MOST
         });
         left
     }
