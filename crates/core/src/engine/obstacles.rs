@@ -28,10 +28,11 @@ impl Engine {
         let cell = cell.ahead(heading);
         // What a sonar reports beyond its reach is not believed against a cell that was free.
         let is_noted = self.state.again.contains(&cell) && self.state.phase == Phase::Exploring && !is_cut;
-        let is_wanted = self.state.map.at(cell).is_unvisited() || is_noted;
-        let is_found_late = |obstacle: &Obstacle| self.state.map.at(cell) == Mark::Wall && piece_of(*obstacle).is_some();
-        let Some(obstacle) = obstacle.filter(|obstacle| is_wanted || is_found_late(obstacle)) else { return };
-        self.mission.has_news |= self.state.map.at(cell) == Mark::Unknown;
+        let known = self.state.map.at(cell);
+        let is_found_late = |obstacle: Obstacle| known == Mark::Wall && piece_of(obstacle).is_some();
+        let is_wanted = |obstacle: &Obstacle| known.is_unvisited() || is_noted || is_found_late(*obstacle);
+        let Some(obstacle) = obstacle.filter(is_wanted) else { return };
+        self.mission.has_news |= known == Mark::Unknown;
         let obstacle = if self.settings.inspect_everything { Obstacle::Unknown } else { obstacle };
         self.mission.route.clear();
         self.meet(cell, heading, obstacle);
@@ -47,12 +48,8 @@ impl Engine {
         };
         // A mark of inspected luggage stays. No new verdict is needed if the camera later fails to recognise the luggage.
         // A mark of a wall stays unless the camera has missed luggage there and recognises it now.
-        let stays = match self.state.map.at(cell) {
-            Mark::Luggage => true,
-            Mark::Wall => piece_of(obstacle).is_none(),
-            Mark::Unknown | Mark::Seen | Mark::Visited | Mark::NotInspected => false,
-        };
-        if !stays {
+        let known = self.state.map.at(cell);
+        if known != Mark::Luggage && (known != Mark::Wall || piece_of(obstacle).is_some()) {
             self.mark(cell, mark);
         }
         let taken_for = match obstacle {
