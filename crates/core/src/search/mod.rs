@@ -91,20 +91,20 @@ impl Search {
     /// Returns the next goal. It is called when the last goal is reached, has turned out to be an obstacle, or cannot
     /// be reached.
     pub fn next(&mut self, view: &View<'_>, ways: &mut Ways) -> NextGoal {
-        if let Search::Snail(snail) = self {
-            return snail.next(view, ways);
-        }
+        let strategy = match self {
+            Search::Snail(snail) => return snail.next(view, ways),
+            Search::Of(strategy) => strategy,
+        };
         let focused = match view.focused(ways) {
             Ok(focused) => focused,
             Err(Visit { cell, route }) => return NextGoal::Visit(cell, route),
         };
-        let visit = match self {
-            Search::Snail(_) => None,
-            Search::Of(Strategy::Auto | Strategy::Snail) => auto::next(&focused, ways),
-            Search::Of(Strategy::Scored) => scored::next(&focused, ways),
-            Search::Of(Strategy::Frontier) => frontier::next(&focused, ways),
-            Search::Of(Strategy::Columns) => columns::next(&focused, ways),
-            Search::Of(Strategy::Spiral) => spiral::next(&focused, ways),
+        let visit = match strategy {
+            Strategy::Auto | Strategy::Snail => auto::next(&focused, ways),
+            Strategy::Scored => scored::next(&focused, ways),
+            Strategy::Frontier => frontier::next(&focused, ways),
+            Strategy::Columns => columns::next(&focused, ways),
+            Strategy::Spiral => spiral::next(&focused, ways),
         };
         guarded(visit, view, ways)
     }
