@@ -233,4 +233,23 @@ mod tests {
         assert_eq!(serde_json::to_string(&ConditionsShape::from(&conditions)).unwrap(), now);
         assert!(read(&now.replace("\"18446744073709551615\"", "\"x\"")).is_err());
     }
+
+    /// The search relies on this check: it makes room for all areas, and numbers them in 128 bits.
+    #[test]
+    fn areas_of_a_damaged_journal_are_refused() {
+        let area = |name: &str, corners: &str| format!(r#"{{"name":"{name}","probability":0.01,"corners":{corners}}}"#);
+        let with = |areas: &[String]| {
+            read(&format!(r#"{{"hall":"airport","cellM":0.5,"threshold":25.0,"areas":[{}]}}"#, areas.join(",")))
+        };
+        let good = area("gate", "[[-2048,-2048],[2048,2048]]");
+        assert_eq!(with(std::slice::from_ref(&good)).unwrap().venue.areas.len(), 1);
+        for damaged in [
+            vec![area("far", "[[0,0],[2049,0]]")],
+            vec![area("beyond", "[[0,0],[2147483647,-2147483648]]")],
+            vec![good, area("overlapping", "[[0,0],[1,1]]")],
+            (0..65).map(|n| area(&format!("a{n}"), &format!("[[{n},0],[{n},0]]"))).collect(),
+        ] {
+            assert!(with(&damaged).is_err(), "{damaged:?}");
+        }
+    }
 }

@@ -13,8 +13,8 @@ use crate::mission::{Act, Input, InputContext};
 use crate::robot::RobotId;
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
+use crate::state::Stage;
 use crate::state::fact::Fact;
-use crate::state::{Phase, Stage};
 use crate::units::{Cell, Celsius, LuggageId};
 use crate::world::alarm::{Alarm, AlarmCause};
 use crate::world::hall_map::Mark;
@@ -59,8 +59,12 @@ impl Engine {
             Act::Archive => self.archive(),
             Act::Close => self.close_mission(context),
             Act::HandOver => self.hand_over(context),
-            Act::SearchAgain => self.search_again(context),
-            Act::OrderAreas => self.order_areas(context),
+            Act::SearchAgain => {
+                if let Some(again) = &context.again {
+                    self.record_areas(Fact::SearchAgain(again.clone()));
+                }
+            }
+            Act::OrderAreas => self.record_areas(Fact::AreasOrdered(Arc::clone(&context.areas))),
             Act::CloseArea => self.close_area(context),
             Act::RetryBlocked => self.retry_blocked(),
             Act::BeginRetrieval => self.begin_retrieval(context.luggage),
@@ -296,6 +300,7 @@ impl Engine {
             self.state.put_away();
         }
         self.outbox.sum_up();
+        self.draw_areas();
         self.mission.forget_way();
         self.world.touch(Resource::Mission);
     }
@@ -317,18 +322,6 @@ impl Engine {
         self.record(Fact::HandedOver { who: issuer.to_string().into(), to: to.clone(), note: note.clone() });
     }
 
-    /// Notes the searched cells of an area, and makes the robot choose its next goal among them.
-    fn search_again(&mut self, context: &InputContext) {
-        let Some(again) = &context.again else { return };
-        self.record(Fact::SearchAgain(again.clone()));
-        self.set_goal(None, self.state.search.clone());
-    }
-
-    fn order_areas(&mut self, context: &InputContext) {
-        let Some(order) = &context.area_order else { return };
-        self.record_areas(Fact::AreasOrdered(Arc::clone(order)));
-    }
-
     /// Records the end of the search of an area as the person in charge states it. Nothing waits for it.
     fn close_area(&mut self, context: &InputContext) {
         let (Some(AreaClosing { area, name, note, .. }), Some(issuer)) = (&context.area_closing, &context.issuer) else { return };
@@ -339,14 +332,16 @@ impl Engine {
         self.record_areas(Fact::AreaClosed(Arc::clone(area), Box::new(closed)));
     }
 
-    /// Records what a person decides about the areas. The robot finishes its present order, and the search then chooses
-    /// its goal anew.
+    /// Records what a person decides about areas and about cells to be searched again. The robot finishes its present
+    /// order. The search then chooses its goal anew, unless the goal is to be searched again.
     fn record_areas(&mut self, fact: Fact) {
-        if self.state.phase == Phase::Exploring {
-            self.mission.route.clear();
-        }
         self.world.touch(Resource::Mission);
         self.record(fact);
+        self.draw_areas();
+        self.mission.has_news = true;
+        if !self.searches_again() {
+            self.set_goal(None, self.state.search.clone());
+        }
     }
 
     /// Marks cells that were free and later blocked as free again, because somebody may have cleared the way. The cells

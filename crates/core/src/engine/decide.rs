@@ -65,13 +65,14 @@ impl Engine {
     }
 
     fn guard(&self, guard: Guard, phase: &Phase, input: Input, context: &InputContext) -> Option<Refused> {
-        let luggage = context.luggage.and_then(|id| self.state.luggage.get(id));
+        let (mission, luggage) = (self.state.mission, context.luggage.and_then(|id| self.state.luggage.get(id)));
         let forbids = |yes: bool, refused: Refused| yes.then_some(refused);
+        let area = |is_meant: &dyn Fn(&str) -> bool| context.areas.iter().find(|name| is_meant(name)).cloned();
         match guard {
             Guard::Held => self.held(self.state.holds.standing_against_start()),
             Guard::ExerciseOver => forbids(self.is_exercise_begun(), Refused::ExerciseOver),
             Guard::NoMission if !self.state.under_way => Some(Refused::NotInPhase(phase.name())),
-            Guard::NoMission => forbids(context.names_other_than(self.state.mission), Refused::OtherMission(self.state.mission)),
+            Guard::NoMission => forbids(context.mission.is_some_and(|named| named != mission), Refused::OtherMission(mission)),
             Guard::NotInPhase => Some(Refused::NotInPhase(phase.name())),
             Guard::VerdictAwaited => self.verdict_awaited(phase, input).map(Refused::VerdictPending),
             Guard::VerdictPending => self.first_pending(false).map(Refused::VerdictPending),
@@ -147,8 +148,8 @@ impl Engine {
             }
             Guard::OpenUnseen => self.open_unseen(phase, context),
             Guard::AreaUnfit => self.area_unfit(context.again.as_ref()?),
-            Guard::UnknownArea => self.unknown_area(context),
-            Guard::AreaClosed => self.closed_area(context),
+            Guard::UnknownArea => area(&|name| self.state.area(name).is_none()).map(Refused::UnknownArea),
+            Guard::AreaClosed => area(&|name| self.state.closed_areas.contains_key(name)).map(Refused::AreaClosed),
             Guard::FaultStands => self.fault_stands(phase).map(|cause| Refused::FaultStands(cause.clone())),
         }
     }
@@ -178,33 +179,20 @@ impl Engine {
         (!is_seen).then(|| Refused::OpenPoints { mission, open: Box::new(open) })
     }
 
-    fn unknown_area(&self, context: &InputContext) -> Option<Refused> {
-        context.named_areas().find(|name| self.state.area(name).is_none()).cloned().map(Refused::UnknownArea)
-    }
-
-    fn closed_area(&self, context: &InputContext) -> Option<Refused> {
-        let is_closed = |name: &&Arc<str>| self.state.closed_areas.contains_key(*name);
-        context.named_areas().find(is_closed).cloned().map(Refused::AreaClosed)
-    }
-
     /// Refuses an area without a searched cell, and an area that would make the list of cells too long. Cells that are
     /// on the list already may be named again. A closed area may always be named to open it.
     fn area_unfit(&self, again: &Again) -> Option<Refused> {
-        if let Again::Area(name) = again
-            && self.state.area(name).is_none()
-        {
-            return Some(Refused::UnknownArea(Arc::clone(name)));
-        }
-        if matches!(again, Again::Area(name) if self.state.closed_areas.contains_key(name)) {
-            return None;
+        match again {
+            Again::Area(name) if self.state.area(name).is_none() => return Some(Refused::UnknownArea(Arc::clone(name))),
+            Again::Area(name) if self.state.closed_areas.contains_key(name) => return None,
+            Again::Area(_) | Again::Within(_) => {}
         }
         let (noted, most) = (&self.state.again, PersistentState::MOST_AGAIN);
         let fresh = self.state.searched_in(again).filter(|cell| !noted.contains(cell)).take(most + 1).count();
         if fresh + noted.len() > most {
             return Some(Refused::AreaTooLarge(most));
         }
-        let has_searched = fresh > 0 || self.state.searched_in(again).next().is_some();
-        (!has_searched).then_some(Refused::NothingSearched)
+        self.state.searched_in(again).next().is_none().then_some(Refused::NothingSearched)
     }
 
     /// The piece that an exploring robot waits for. In some phases only these two commands explore.

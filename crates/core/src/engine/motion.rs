@@ -1,7 +1,5 @@
 //! Decides what the robot does next. Orders are given one at a time, through one gate (safety S5).
 
-use std::sync::Arc;
-
 use super::Engine;
 use crate::command::Move;
 use crate::effect::{Action, Effect, Stamp};
@@ -10,14 +8,14 @@ use crate::mission::{Input, InputContext};
 use crate::phase::FaultCause;
 use crate::place::Place;
 use crate::robot::{Part, RobotId};
-use crate::search::areas::AreaSource;
+use crate::search::areas::AreaPlan;
 use crate::search::plan::{Through, after};
 use crate::search::{Goal, NextGoal, Search};
 use crate::settings::Settings;
 use crate::snapshot::log::Tone;
 use crate::snapshot::said::Said;
 use crate::state::fact::Fact;
-use crate::state::{Inspection, Phase, Stage};
+use crate::state::{Inspection, PersistentState, Phase, Stage, Venue};
 use crate::units::{Cell, Now, OrderId};
 use crate::world::hall_map::{Mark, is_in_reach};
 use crate::world::keep_out::{KeepOut, Ring, USUAL_CELL_M};
@@ -54,7 +52,6 @@ pub(super) enum Turn {
 impl Engine {
     pub(super) fn pump(&mut self) {
         self.draw_rings();
-        self.draw_areas();
         for _ in 0..TURNS {
             if let Turn::Rest = self.turn() {
                 return;
@@ -343,27 +340,12 @@ impl Engine {
         }
     }
 
-    /// Makes the search follow the areas as they are now. A cell that was chosen before is given up, unless a person wants
-    /// it searched again.
-    fn draw_areas(&mut self) {
-        if self.know_areas() {
-            self.mission.has_news = true;
-            self.world.touch(Resource::Mission);
-            if matches!(self.state.goal, Some(Goal::Visit(cell)) if !self.state.again.contains(&cell)) {
-                self.set_goal(None, self.state.search.clone());
-            }
-        }
-    }
-
-    /// Returns whether the areas, their order or the closed areas have changed.
-    pub(super) fn know_areas(&mut self) -> bool {
-        let (areas, sensor) = self
-            .state
-            .conditions
-            .as_ref()
-            .map_or_else(Default::default, |conditions| (Arc::clone(&conditions.venue.areas), conditions.venue.sensor));
-        let (order, closed) = (Arc::clone(&self.state.area_order), Arc::clone(&self.state.closed_areas));
-        self.planner.set_areas(AreaSource { areas, order, closed, sensor })
+    /// Makes the search follow the areas, their order and the closed areas as they are now.
+    pub(super) fn draw_areas(&mut self) {
+        let PersistentState { area_order, closed_areas, .. } = &self.state;
+        let Venue { areas, sensor, .. } = self.state.venue();
+        let plan = AreaPlan::new(&areas, area_order, |name| closed_areas.contains_key(name), sensor);
+        self.planner.set_areas(plan, &self.state.map);
     }
 
     /// Returns the rings round all bombs in the hall. A retrieval ignores the ring of the piece that it fetches.

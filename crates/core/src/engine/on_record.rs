@@ -69,7 +69,7 @@ pub(super) struct OnRecord {
     floor: Seq,
     emptied: u64,
     /// The old map, which is shown until the emptying of the map is recorded.
-    before: Option<(HallMap, Coverage)>,
+    pub(super) before: Option<(HallMap, Coverage)>,
     /// Whether the LED was told to blink. A blinking LED also shows that a mission has begun.
     pub(super) lit: bool,
 }
@@ -153,10 +153,6 @@ impl Engine {
 
     pub(super) fn shown_map(&self) -> &HallMap {
         self.on_record.before.as_ref().map_or(&self.state.map, |(map, _)| map)
-    }
-
-    pub(super) fn shown_coverage(&self) -> &Coverage {
-        self.on_record.before.as_ref().map_or(&self.state.coverage, |(_, coverage)| coverage)
     }
 
     /// Must be called before the map is emptied. The old map is shown until the emptying is recorded.

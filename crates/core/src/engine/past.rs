@@ -86,7 +86,7 @@ impl Past {
             }
         }
         engine.state = state;
-        engine.know_areas();
+        engine.draw_areas();
         engine.recall_team();
         engine.mission.trail = trail.into();
         recall(&mut engine.world.thermometer, &temperatures);

@@ -129,6 +129,7 @@ impl Engine {
         let conditions = Conditions { venue, threshold: self.settings.threshold, rules: self.settings.rules };
         if self.state.conditions.as_ref() != Some(&conditions) {
             self.record(Fact::Conditions(conditions));
+            self.draw_areas();
         }
     }
 
@@ -160,8 +161,7 @@ impl Engine {
             self.outbox.send(Effect::Led(self.robots.searching_id().clone(), true));
         }
         self.state = state.after_restart();
-        self.planner.learn(&self.state.map);
-        self.know_areas();
+        self.draw_areas();
         self.recall_team();
         let cell = self.state.pose.cell;
         // A robot outside the entrance stands in no cell, so no cell is marked. A parcel may now lie at home.

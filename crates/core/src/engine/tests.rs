@@ -15,7 +15,7 @@ use std::time::Duration;
 
 use super::*;
 use crate::closing::{AreaClosing, Closing};
-use crate::command::{Again, Command, Door, Issuer, LuggageRef, Move, Note, TemperatureReport, Verdict};
+use crate::command::{Again, Command, CommandId, Door, Issuer, LuggageRef, Move, Note, TemperatureReport, Verdict};
 use crate::effect::Action;
 use crate::event::{Capabilities, Obstacle, RobotEvent};
 use crate::hand_over::HandOver;

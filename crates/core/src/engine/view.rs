@@ -1,6 +1,5 @@
 //! Makes the snapshot: the state as the interfaces show it. `on_record` delays the parts that must be recorded first.
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -14,6 +13,7 @@ use crate::phase::PhaseName;
 use crate::refused::Refused;
 use crate::robot::{Part, RobotId, RobotState};
 use crate::search::forecast::forecast;
+use crate::search::grid::Square;
 use crate::search::plan::cells_along;
 use crate::snapshot::robot::{RobotShown, RobotView};
 use crate::snapshot::{AreaView, MissionView, Progress, Refusals, Snapshot, TimeLeft};
@@ -91,7 +91,7 @@ impl Engine {
             mission: shown.mission,
             robot: shown.robot,
             map: self.shown_map().clone(),
-            coverage: self.shown_coverage().clone(),
+            coverage: self.on_record.before.as_ref().map_or(&self.state.coverage, |(_, coverage)| coverage).clone(),
             venue: self.state.venue(),
             luggage: self.on_record.shown.luggage.clone(),
             temperature: shown.temperature,
@@ -192,11 +192,9 @@ impl Engine {
 
     /// Number of places in closed areas, without those in rings.
     fn unsearched_in_closed_areas(&self, map: &HallMap) -> usize {
-        let Some(areas) = self.planner.areas.as_ref().filter(|areas| areas.has_closed()) else { return 0 };
+        let Some(areas) = self.planner.areas.as_ref().filter(|_| !self.state.closed_areas.is_empty()) else { return 0 };
         let keep_out = self.keep_out();
-        let is_left_out = |cell: &Cell| areas.is_closed(*cell) && !keep_out.contains(*cell);
-        let pieces = (map.uninspected() > 0).then(|| map.known().filter(|(_, mark)| *mark == Mark::NotInspected));
-        map.frontier().chain(pieces.into_iter().flatten().map(|(cell, _)| cell)).filter(is_left_out).count()
+        unsearched(map).filter(|cell| areas.is_closed(*cell) && !keep_out.contains(*cell)).count()
     }
 
     pub(super) fn open_points(&self, map: &HallMap, luggage: &LuggageRecords, again: usize) -> OpenPoints {
@@ -215,12 +213,7 @@ impl Engine {
 
     pub(super) fn unsearched_in_rings(&self, map: &HallMap) -> usize {
         let keep_out = self.keep_out();
-        if keep_out.is_empty() {
-            return 0;
-        }
-        let open = map.frontier().filter(|cell| keep_out.contains(*cell)).count();
-        let within: BTreeSet<Cell> = keep_out.cells_within(map.known_bounds()).collect();
-        open + within.into_iter().filter(|cell| map.at(*cell) == Mark::NotInspected).count()
+        if keep_out.is_empty() { 0 } else { unsearched(map).filter(|cell| keep_out.contains(*cell)).count() }
     }
 
     /// Returns the remaining time. It is shown during a search, even while something holds or interrupts the search.
@@ -232,12 +225,13 @@ impl Engine {
         }
         let grid = &self.planner.grid;
         let a_cell = self.mission.pace.a_cell(grid.census().looked_at())?;
-        let closed = self.planner.areas.as_ref().filter(|areas| areas.has_closed());
         let map = &self.state.map;
-        if closed.is_some() && map.unsearched() == self.unsearched_in_rings(map) + self.unsearched_in_closed_areas(map) {
+        if map.unsearched() == self.unsearched_in_rings(map) + self.unsearched_in_closed_areas(map) {
             return None;
         }
-        let left_out = closed.map_or(0, |areas| areas.left_out(grid));
+        let closed = self.state.areas().iter().filter(|area| self.state.closed_areas.contains_key(&area.name));
+        let is_left_out = |cell: &Cell| grid.known().contains(*cell) && grid.at(*cell) == Square::Unknown;
+        let left_out = closed.flat_map(Area::cells).filter(is_left_out).count();
         let forecast = forecast(grid, self.state.search.strategy(), self.state.pose.cell, a_cell.as_secs_f64(), left_out)?;
         let time = |seconds: f64| Duration::try_from_secs_f64(seconds).ok();
         Some(TimeLeft { least: time(forecast.least)?, most: forecast.most.and_then(time) })
@@ -279,4 +273,10 @@ impl Engine {
             retake: why(Input::RetakePhoto, &piece, &shown.retake),
         }
     }
+}
+
+/// Returns the places that `HallMap::unsearched` counts.
+fn unsearched(map: &HallMap) -> impl Iterator<Item = Cell> {
+    let pieces = (map.uninspected() > 0).then(|| map.known().filter(|(_, mark)| *mark == Mark::NotInspected));
+    map.frontier().chain(pieces.into_iter().flatten().map(|(cell, _)| cell))
 }

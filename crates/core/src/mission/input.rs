@@ -84,6 +84,8 @@ pub(crate) struct InputContext {
     pub(crate) epoch: Option<Epoch>,
     /// The piece that the command names, or that a verdict without a number means.
     pub(crate) luggage: Option<LuggageId>,
+    /// The mission that the sender means.
+    pub(crate) mission: Option<MissionId>,
     /// Whether the command names no piece, so that it means the one that waits.
     pub(crate) is_bare: bool,
     /// The sender's id for the command.
@@ -96,7 +98,8 @@ pub(crate) struct InputContext {
     pub(crate) step: Option<Move>,
     pub(crate) cell: Option<Cell>,
     pub(crate) again: Option<Again>,
-    pub(crate) area_order: Option<Arc<[Arc<str>]>>,
+    /// The areas that the command orders or closes.
+    pub(crate) areas: Arc<[Arc<str>]>,
     pub(crate) area_closing: Option<AreaClosing>,
     pub(crate) obstacle: Option<Obstacle>,
     pub(crate) photo: Option<Photo>,
@@ -111,19 +114,6 @@ pub(crate) struct InputContext {
 }
 
 impl InputContext {
-    /// Whether the command names another mission than this one.
-    pub(crate) fn names_other_than(&self, mission: MissionId) -> bool {
-        let closing = self.area_closing.as_ref().and_then(|closing| closing.mission);
-        let named = self.hand_over.as_ref().and_then(|hand_over| hand_over.mission).or(closing);
-        named.is_some_and(|named| named != mission)
-    }
-
-    /// Returns the names of areas in a command that orders or closes them.
-    pub(crate) fn named_areas(&self) -> impl Iterator<Item = &Arc<str>> {
-        let closing = self.area_closing.as_ref().map(|closing| &closing.area);
-        self.area_order.iter().flat_map(|order| order.iter()).chain(closing)
-    }
-
     /// Returns the input for a command, with its details. `pending` is the piece that a verdict without a number
     /// would mean.
     pub(crate) fn of(command: &Command, issuer: &Issuer, pending: Option<LuggageId>) -> (Input, InputContext) {
@@ -136,10 +126,15 @@ impl InputContext {
             Command::Retrieve(luggage) => (Input::Retrieve, InputContext { luggage: *luggage, ..context }),
             Command::Reset => (Input::Reset, context),
             Command::Close(closing) => (Input::Close, InputContext { closing: Some(closing.clone()), ..context }),
-            Command::HandOver(hand_over) => (Input::HandOver, InputContext { hand_over: Some(hand_over.clone()), ..context }),
+            Command::HandOver(hand_over) => {
+                (Input::HandOver, InputContext { mission: hand_over.mission, hand_over: Some(hand_over.clone()), ..context })
+            }
             Command::SearchAgain(again) => (Input::SearchAgain, InputContext { again: Some(again.clone()), ..context }),
-            Command::OrderAreas(names) => (Input::OrderAreas, InputContext { area_order: Some(Arc::clone(names)), ..context }),
-            Command::CloseArea(closing) => (Input::CloseArea, InputContext { area_closing: Some(closing.clone()), ..context }),
+            Command::OrderAreas(names) => (Input::OrderAreas, InputContext { areas: Arc::clone(names), ..context }),
+            Command::CloseArea(closing) => {
+                let (mission, areas) = (closing.mission, [Arc::clone(&closing.area)].into());
+                (Input::CloseArea, InputContext { mission, areas, area_closing: Some(closing.clone()), ..context })
+            }
             Command::Move(step) => (Input::Move, InputContext { step: Some(*step), ..context }),
             Command::Goto(cell) => (Input::Goto, InputContext { cell: Some(*cell), ..context }),
             Command::Verdict { luggage, verdict, note, hot } => {

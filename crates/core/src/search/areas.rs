@@ -1,25 +1,21 @@
 //! The areas of a hall, as a search needs them: the area of each cell, the order, and the areas that are closed. A
 //! *region* is an area, or the rest of the hall. `focus` chooses the regions that are searched next.
 
-use std::collections::BTreeMap;
-use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use super::forecast::Extent;
-use super::grid::{Grid, Square};
-use crate::closing::ClosedArea;
+use super::grid::Grid;
 use crate::units::{Bounds, Cell};
-use crate::world::areas::Area;
+use crate::world::areas::{Area, AreaRows};
 use crate::world::coverage::{Sensor, Views};
-use crate::world::hall_map::is_in_reach;
 
 /// What a search needs to know about areas.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AreaPlan {
     /// Probability and number of cells of the rest and of each area. The size of the rest is not known.
     pub(super) regions: Vec<(f64, f64)>,
-    /// For each row from the first row of `bounds` on, the columns of each area with its number in `regions`.
-    rows: Vec<Vec<(RangeInclusive<i32>, usize)>>,
+    /// The cells of each area, with its number in `regions`.
+    rows: AreaRows,
     pub(crate) bounds: Bounds,
     /// The areas that a person wants searched first.
     pub(super) order: Vec<usize>,
@@ -27,15 +23,6 @@ pub struct AreaPlan {
     pub(super) open: u128,
     /// The probability that a look from afar misses a piece.
     pub(super) missed: f64,
-}
-
-/// What an `AreaPlan` is made from. `closed` has the closed areas.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct AreaSource {
-    pub(crate) areas: Arc<[Area]>,
-    pub(crate) order: Arc<[Arc<str>]>,
-    pub(crate) closed: Arc<BTreeMap<Arc<str>, ClosedArea>>,
-    pub(crate) sensor: Sensor,
 }
 
 /// The regions from which a strategy may choose.
@@ -49,20 +36,12 @@ impl AreaPlan {
     /// Returns `None` if there are no areas.
     #[must_use]
     pub fn new(areas: &[Area], order: &[Arc<str>], is_closed: impl Fn(&str) -> bool, sensor: Sensor) -> Option<AreaPlan> {
-        let usable = |area: &&Area| area.corners.iter().all(|corner| is_in_reach(*corner));
-        let areas: Vec<&Area> = areas.iter().filter(usable).take(Area::MOST).collect();
         let mut corners = areas.iter().flat_map(|area| area.corners.iter().copied());
         let bounds = corners.next().map(Bounds::of)?;
         let bounds = corners.fold(bounds, Bounds::including);
-        let mut rows = vec![Vec::new(); usize::try_from(bounds.height()).unwrap_or(0)];
-        let (mut regions, mut open) = (vec![(1.0, 0.0)], 1);
-        for (n, area) in (1..).zip(&areas) {
-            let mut cells = 0;
-            for (y, columns) in area.rows() {
-                cells += columns.iter().map(|columns| columns.end() - columns.start() + 1).sum::<i32>();
-                let row = &mut rows[usize::try_from(y - bounds.least.y).expect("the bounds include every corner")];
-                row.extend(columns.into_iter().map(|columns| (columns, n)));
-            }
+        let (mut rows, mut regions, mut open) = (AreaRows::within(bounds), vec![(1.0, 0.0)], 1);
+        for (n, area) in (1..).zip(areas) {
+            let cells = rows.add(area, n).expect("the areas of a hall are checked when they are read");
             regions[0].0 = f64::max(regions[0].0 - area.probability, 0.0);
             regions.push((area.probability, f64::from(cells)));
             open |= u128::from(!is_closed(&area.name)) << n;
@@ -84,24 +63,9 @@ impl AreaPlan {
         self.open >> self.region(cell) & 1 == 0
     }
 
-    pub(crate) fn has_closed(&self) -> bool {
-        self.open.count_ones() < u32::try_from(self.regions.len()).unwrap_or(0)
-    }
-
-    /// Number of unknown cells of closed areas within the known bounds.
-    pub(crate) fn left_out(&self, grid: &Grid) -> u32 {
-        let rows = (self.bounds.least.y..).zip(&self.rows);
-        let closed = rows.flat_map(|(y, row)| row.iter().map(move |(columns, region)| (y, columns, region)));
-        let closed = closed.filter(|(.., region)| self.open >> *region & 1 == 0);
-        let cells = closed.flat_map(|(y, columns, _)| columns.clone().map(move |x| Cell::new(x, y)));
-        let is_left = |cell: &Cell| grid.known().contains(*cell) && grid.at(*cell) == Square::Unknown;
-        u32::try_from(cells.filter(is_left).count()).unwrap_or(u32::MAX)
-    }
-
     /// The number of a cell's region.
     pub(super) fn region(&self, cell: Cell) -> usize {
-        let row = usize::try_from(cell.y - self.bounds.least.y).ok().and_then(|row| self.rows.get(row));
-        row.into_iter().flatten().find(|(columns, _)| columns.contains(&cell.x)).map_or(0, |(_, region)| *region)
+        self.rows.at(cell).unwrap_or(0)
     }
 
     /// The probability that the bomb is in this cell of a hall.
@@ -166,14 +130,5 @@ mod tests {
             let sizes = [&west, &east].map(|area| area.cells().count());
             assert_eq!([1, 2].map(|n| plan.regions[n].1 as usize), sizes);
         }
-    }
-
-    #[test]
-    fn areas_of_a_damaged_journal_are_left_out_and_far_ones_need_no_memory() {
-        let far = area("far", 0.1, &[(8000, 8000), (8192, 8192)]);
-        let beyond = area("beyond", 0.1, &[(0, 0), (i32::MAX, i32::MIN)]);
-        assert_eq!(AreaPlan::new(std::slice::from_ref(&beyond), &[], |_| false, Sensor::default()), None);
-        let areas: Vec<Area> = [beyond, far].into_iter().chain((0..90).map(|n| area("a", 0.0, &[(n, 0), (n, 0)]))).collect();
-        assert_eq!(plan(&areas, Sensor::default()).regions.len(), Area::MOST + 1);
     }
 }

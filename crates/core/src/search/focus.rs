@@ -70,7 +70,7 @@ impl<'a> View<'a> {
             Square::Visited => true,
             Square::Unknown | Square::Seen | Square::Target => {
                 let cell = grid.cell(spot);
-                within.contains(cell) && grid.has_room_round(cell) && !plan.is_closed(cell)
+                within.contains(cell) && !plan.is_closed(cell)
             }
             Square::Obstacle | Square::Luggage | Square::KeptOut => false,
         };

@@ -45,12 +45,13 @@ pub(super) struct Extent {
 /// unknown cells that are not searched. Returns `None` if the robot can reach nothing that is still unsearched. The
 /// robot then goes home.
 #[must_use]
-pub fn forecast(grid: &Grid, strategy: Strategy, from: Cell, a_cell: f64, left_out: u32) -> Option<Forecast> {
+pub fn forecast(grid: &Grid, strategy: Strategy, from: Cell, a_cell: f64, left_out: usize) -> Option<Forecast> {
     if !grid.has_open() {
         return None;
     }
     let extent = Extent::of(grid);
     let way_home = f64::from(from.x.abs() + from.y.abs());
+    let left_out = u32::try_from(left_out).unwrap_or(u32::MAX);
     let at_this_pace = a_cell * (f64::from((extent.cells - extent.known).saturating_sub(left_out)) + way_home);
     // In a larger hall, the snail goes home more often.
     if !extent.is_closed || strategy == Strategy::Snail {

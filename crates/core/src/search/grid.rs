@@ -183,11 +183,6 @@ impl Grid {
         self.room.contains(cell)
     }
 
-    /// Whether there is memory for a cell and its neighbours.
-    pub(super) fn has_room_round(&self, cell: Cell) -> bool {
-        self.room.grown(-1).contains(cell)
-    }
-
     #[must_use]
     pub fn at(&self, cell: Cell) -> Square {
         if self.has_room_for(cell) { self.squares[self.spot(cell)] } else { Square::Unknown }

@@ -5,7 +5,7 @@ use std::cmp::Reverse;
 use std::collections::{BTreeMap, BTreeSet, BinaryHeap};
 
 use super::Search;
-use super::areas::{AreaPlan, AreaSource};
+use super::areas::AreaPlan;
 use super::costs::{Costs, STEP};
 use super::far::{Steps, turn};
 use super::grid::{Grid, Spot, Square};
@@ -15,9 +15,6 @@ use crate::command::Move;
 use crate::units::{Cell, Heading, Pose};
 use crate::world::hall_map::{Bounds, HallMap, Mark};
 use crate::world::keep_out::KeepOut;
-
-/// Maximum size of the rectangle round all areas for which a grid makes room at once, in cells.
-const MOST_ROOM: i64 = 1 << 22;
 
 /// Which cells a way may lead through. The goal itself may also be unknown, or an obstacle that is not inspected yet.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,46 +33,26 @@ pub(crate) struct Planner {
     pub(crate) keep_out: KeepOut,
     /// `None` if the hall has no areas. `set_areas` changes it.
     pub(crate) areas: Option<AreaPlan>,
-    areas_from: AreaSource,
 }
 
 impl Planner {
     pub(crate) fn of(map: &HallMap) -> Planner {
-        Planner {
-            grid: Grid::of(map),
-            ways: Ways::default(),
-            costs: Costs::EVEN,
-            keep_out: KeepOut::default(),
-            areas: None,
-            areas_from: AreaSource::default(),
-        }
+        Planner { grid: Grid::of(map), ways: Ways::default(), costs: Costs::EVEN, keep_out: KeepOut::default(), areas: None }
     }
 
     pub(crate) fn learn(&mut self, map: &HallMap) {
         self.grid = Grid::of(map);
-        self.make_room_for_areas();
+        // With this room, a way towards an area is found before the robot is near.
+        if let Some(AreaPlan { bounds, .. }) = &self.areas {
+            self.grid.make_room(bounds.least);
+            self.grid.make_room(bounds.most);
+        }
         self.shut_rings();
     }
 
-    /// Returns whether the areas, their order or the closed areas have changed.
-    pub(crate) fn set_areas(&mut self, from: AreaSource) -> bool {
-        let is_new = self.areas_from != from;
-        if is_new {
-            self.areas = AreaPlan::new(&from.areas, &from.order, |name| from.closed.contains_key(name), from.sensor);
-            self.areas_from = from;
-            self.make_room_for_areas();
-        }
-        is_new
-    }
-
-    /// Makes room for the areas, so that a way towards an area can be found before the robot is near.
-    fn make_room_for_areas(&mut self) {
-        let bounds = self.areas.as_ref().map(|areas| areas.bounds);
-        let fits = |bounds: &Bounds| i64::from(bounds.width()) * i64::from(bounds.height()) <= MOST_ROOM;
-        if let Some(Bounds { least, most }) = bounds.filter(fits) {
-            self.grid.make_room(least);
-            self.grid.make_room(most);
-        }
+    pub(crate) fn set_areas(&mut self, areas: Option<AreaPlan>, map: &HallMap) {
+        self.areas = areas;
+        self.learn(map);
     }
 
     pub(crate) fn set_keep_out(&mut self, keep_out: KeepOut, map: &HallMap) {

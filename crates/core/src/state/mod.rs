@@ -264,15 +264,13 @@ impl PersistentState {
 
     /// Returns the searched cells among these, without the cell where the robot stands.
     pub(crate) fn searched_in<'a>(&'a self, again: &Again) -> impl Iterator<Item = Cell> + use<'a> {
-        let (bounds, area) = match again {
-            Again::Within(bounds) => (Some(*bounds), None),
-            Again::Area(name) => (None, self.area(name)),
+        let cells: Box<dyn Iterator<Item = Cell>> = match again {
+            Again::Within(bounds) => {
+                let bounds = *bounds;
+                Box::new(self.map.known().map(|(cell, _)| cell).filter(move |cell| bounds.contains(*cell)))
+            }
+            Again::Area(name) => Box::new(self.area(name).into_iter().flat_map(Area::cells)),
         };
-        let within = bounds.into_iter().flat_map(|bounds| {
-            let known = self.map.known().map(|(cell, _)| cell);
-            known.filter(move |cell| bounds.contains(*cell))
-        });
-        let cells = within.chain(area.into_iter().flat_map(Area::cells));
         cells.filter(|cell| self.map.at(*cell).is_searched() && *cell != self.pose.cell)
     }
 
@@ -299,23 +297,18 @@ impl PersistentState {
     }
 
     fn close_area(&mut self, name: &Arc<str>, closed: &ClosedArea) {
-        if let Some(area) = self.area(name).cloned().filter(|_| !self.again.is_empty()) {
-            let within: BTreeSet<Cell> = area.cells().filter(|cell| self.again.contains(cell)).collect();
-            Arc::make_mut(&mut self.again).retain(|cell| !within.contains(cell));
-        }
+        let cells = self.area(name).into_iter().flat_map(Area::cells);
+        let noted: Vec<Cell> = cells.filter(|cell| self.again.contains(cell)).collect();
+        noted.into_iter().for_each(|cell| self.not_again(cell));
         Arc::make_mut(&mut self.closed_areas).insert(Arc::clone(name), closed.clone());
     }
 
     /// Also forgets what was decided about areas that the present hall does not have.
     fn set_conditions(&mut self, conditions: &Conditions) {
+        let is_there = |name: &Arc<str>| conditions.venue.areas.iter().any(|area| area.name == *name);
+        self.area_order = self.area_order.iter().filter(|name| is_there(name)).cloned().collect();
+        Arc::make_mut(&mut self.closed_areas).retain(|name, _| is_there(name));
         self.conditions = Some(conditions.clone());
-        let names: BTreeSet<Arc<str>> = self.areas().iter().map(|area| Arc::clone(&area.name)).collect();
-        if !self.area_order.iter().all(|name| names.contains(name)) {
-            self.area_order = self.area_order.iter().filter(|name| names.contains(*name)).cloned().collect();
-        }
-        if !self.closed_areas.keys().all(|name| names.contains(name)) {
-            Arc::make_mut(&mut self.closed_areas).retain(|name, _| names.contains(name));
-        }
     }
 
     /// Notes that sonar and camera have looked at the known cells ahead, up to the first obstacle.

@@ -2,7 +2,6 @@
 //! records them with its conditions.
 
 use std::collections::BTreeSet;
-use std::fmt;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
@@ -22,18 +21,23 @@ pub struct Area {
 }
 
 /// Why an area cannot be used. `check` says which area it is.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum AreaFault {
+    #[error("there are {0} areas: give at most {most}", most = Area::MOST)]
     TooMany(usize),
+    #[error("the name of an area is one line of 1 to {most} visible characters", most = Area::NAME)]
     Name,
+    #[error("an earlier area has the same name")]
     SameName,
+    #[error("the probability is a number from 0 to 1")]
     Probability,
-    /// All areas up to this one have more than the whole probability.
+    #[error("the probabilities of the areas up to this one add up to more than 1")]
     Sum,
+    #[error("the area has {0} corners: give {least} to {most}, two for a rectangle", least = Area::CORNERS.start(), most = Area::CORNERS.end())]
     Corners(usize),
-    /// This corner is outside the hall.
+    #[error("the corner {0} is outside the hall")]
     Outside(Cell),
-    /// The cell is in the earlier area of this name, too.
+    #[error("the cell {1} is in the area \"{0}\" too")]
     Overlap(Arc<str>, Cell),
 }
 
@@ -56,14 +60,9 @@ impl Area {
     /// Returns what is open in the area, as the map shows it. `again` are the cells to be searched again.
     #[must_use]
     pub fn open(&self, map: &HallMap, again: &BTreeSet<Cell>, luggage: &LuggageRecords) -> OpenInArea {
-        let pending: BTreeSet<Cell> = luggage.pending().map(|piece| piece.cell).collect();
-        let mut open = OpenInArea::default();
-        for cell in self.cells() {
-            let is_open = matches!(map.at(cell), Mark::Unknown | Mark::NotInspected) || again.contains(&cell);
-            open.cells += usize::from(is_open);
-            open.pending += usize::from(pending.contains(&cell));
-        }
-        open
+        let is_open = |cell: &Cell| matches!(map.at(*cell), Mark::Unknown | Mark::NotInspected) || again.contains(cell);
+        let pending = luggage.pending().filter(|piece| self.cells().any(|cell| cell == piece.cell)).count();
+        OpenInArea { cells: self.cells().filter(is_open).count(), pending }
     }
 
     /// Returns the cells whose centre is within the outline or on it, row by row.
@@ -93,8 +92,7 @@ impl Area {
         if areas.len() > Area::MOST {
             return Err((Area::MOST, AreaFault::TooMany(areas.len())));
         }
-        let mut taken: Vec<Vec<(RangeInclusive<i32>, usize)>> = Vec::new();
-        let mut sum = 0.0;
+        let (mut rows, mut sum) = (AreaRows::within(hall), 0.0);
         for (n, area) in areas.iter().enumerate() {
             let fault = |fault| Err((n, fault));
             if !Area::is_name(&area.name) {
@@ -117,48 +115,74 @@ impl Area {
             if let Some(corner) = area.corners.iter().find(|corner| !hall.contains(**corner)) {
                 return fault(AreaFault::Outside(*corner));
             }
-            for (y, columns) in area.rows() {
-                let row = usize::try_from(y - hall.least.y).unwrap_or(0);
-                if taken.len() <= row {
-                    taken.resize(row + 1, Vec::new());
-                }
-                for columns in columns {
-                    let overlaps = |(other, _): &&(RangeInclusive<i32>, usize)| {
-                        other.start() <= columns.end() && columns.start() <= other.end()
-                    };
-                    if let Some((other, of)) = taken[row].iter().filter(|(_, of)| *of != n).find(overlaps) {
-                        let cell = Cell::new(*other.start().max(columns.start()), y);
-                        return fault(AreaFault::Overlap(Arc::clone(&areas[*of].name), cell));
-                    }
-                    taken[row].push((columns, n));
-                }
+            if let Err((other, cell)) = rows.add(area, n) {
+                return fault(AreaFault::Overlap(Arc::clone(&areas[other].name), cell));
             }
         }
         Ok(())
     }
 }
 
+/// The cells of numbered areas.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct AreaRows {
+    first: i32,
+    /// For each row from `first` on, the columns of each area with its number.
+    rows: Vec<Vec<(RangeInclusive<i32>, usize)>>,
+}
+
+impl AreaRows {
+    pub(crate) fn within(bounds: Bounds) -> AreaRows {
+        AreaRows { first: bounds.least.y, rows: vec![Vec::new(); usize::try_from(bounds.height()).unwrap_or(0)] }
+    }
+
+    /// Adds an area within the bounds. Returns the number of its cells. If another area has one of them, returns the
+    /// number of that area, and the cell.
+    pub(crate) fn add(&mut self, area: &Area, n: usize) -> Result<i32, (usize, Cell)> {
+        let mut cells = 0;
+        for (y, columns) in area.rows() {
+            let row = &mut self.rows[usize::try_from(y - self.first).expect("the area is within the bounds")];
+            for columns in columns {
+                let (first, last) = (*columns.start(), *columns.end());
+                let overlaps = |(other, _): &&(RangeInclusive<i32>, usize)| *other.start() <= last && first <= *other.end();
+                if let Some((other, of)) = row.iter().find(overlaps) {
+                    return Err((*of, Cell::new(first.max(*other.start()), y)));
+                }
+                cells += last - first + 1;
+                row.push((columns, n));
+            }
+        }
+        Ok(cells)
+    }
+
+    /// Returns the number of the area that has this cell.
+    pub(crate) fn at(&self, cell: Cell) -> Option<usize> {
+        let row = self.rows.get(usize::try_from(cell.y - self.first).ok()?)?;
+        row.iter().find(|(columns, _)| columns.contains(&cell.x)).map(|(_, n)| *n)
+    }
+}
+
 /// Returns the columns of the row `y` that are within an outline or on it, in disjoint ranges.
 fn columns(outline: &[Cell], y: i32) -> Vec<RangeInclusive<i32>> {
-    let mut crossings = Vec::new();
-    let mut columns = Vec::new();
+    let (mut crossings, mut columns) = (Vec::new(), Vec::new());
     for (n, from) in outline.iter().enumerate() {
         let to = outline[(n + 1) % outline.len()];
         let (low, high) = if from.y <= to.y { (*from, to) } else { (to, *from) };
+        if !(low.y..=high.y).contains(&y) {
+            continue;
+        }
         if low.y == high.y {
-            if low.y == y {
-                columns.push(low.x.min(high.x)..=low.x.max(high.x));
-            }
-        } else if (low.y..=high.y).contains(&y) {
-            let (rise, run) = (high.y - low.y, (y - low.y) * (high.x - low.x));
-            let (floor, is_whole) = (low.x + run.div_euclid(rise), run.rem_euclid(rise) == 0);
-            if is_whole {
-                columns.push(floor..=floor);
-            }
-            if y < high.y {
-                // The crossing lies between two columns, or on one.
-                crossings.push((f64::from(low.x) + f64::from(run) / f64::from(rise), floor + i32::from(!is_whole), floor));
-            }
+            columns.push(low.x.min(high.x)..=low.x.max(high.x));
+            continue;
+        }
+        let (rise, run) = (high.y - low.y, (y - low.y) * (high.x - low.x));
+        let (floor, is_whole) = (low.x + run.div_euclid(rise), run.rem_euclid(rise) == 0);
+        if is_whole {
+            columns.push(floor..=floor);
+        }
+        if y < high.y {
+            // The crossing lies between two columns, or on one.
+            crossings.push((f64::from(low.x) + f64::from(run) / f64::from(rise), floor + i32::from(!is_whole), floor));
         }
     }
     crossings.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -172,24 +196,6 @@ fn columns(outline: &[Cell], y: i32) -> Vec<RangeInclusive<i32>> {
         }
     }
     merged
-}
-
-impl fmt::Display for AreaFault {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            AreaFault::TooMany(areas) => write!(f, "there are {areas} areas: give at most {}", Area::MOST),
-            AreaFault::Name => write!(f, "the name of an area is one line of 1 to {} visible characters", Area::NAME),
-            AreaFault::SameName => f.write_str("an earlier area has the same name"),
-            AreaFault::Probability => f.write_str("the probability is a number from 0 to 1"),
-            AreaFault::Sum => f.write_str("the probabilities of the areas up to this one add up to more than 1"),
-            AreaFault::Corners(corners) => {
-                let (least, most) = (Area::CORNERS.start(), Area::CORNERS.end());
-                write!(f, "the area has {corners} corners: give {least} to {most}, two for a rectangle")
-            }
-            AreaFault::Outside(corner) => write!(f, "the corner {corner} is outside the hall"),
-            AreaFault::Overlap(other, cell) => write!(f, "the cell {cell} is in the area \"{other}\" too"),
-        }
-    }
 }
 
 #[cfg(test)]

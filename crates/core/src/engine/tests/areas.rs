@@ -1,7 +1,6 @@
 //! Tests of a search in a hall with areas: the order, closed areas, and what a restart and the past make of them.
 
 use super::*;
-use crate::closing::ClosedArea;
 use crate::engine::past::Past;
 use crate::engine::recall::Recalled;
 use crate::event::Obstacle;
@@ -66,22 +65,17 @@ fn drive(engine: &mut Engine, most: usize) -> Vec<Cell> {
     entered
 }
 
-fn order(engine: &mut Engine, names: &[&str]) {
-    engine.state.area_order = names.iter().map(|name| Arc::from(*name)).collect();
-    engine.handle_timeout(now(1));
-    engine.pump();
+fn accept(engine: &mut Engine, command: Command) {
+    engine.handle_command(Request::new(command, Issuer::operator(Door::LOCAL)), now(1)).expect("it is accepted");
 }
 
-fn close(engine: &mut Engine, names: &[&str]) {
-    let closed = || ClosedArea {
-        who: "anna".into(),
-        name: Note::new("Anna Rossi").expect("a name"),
-        note: None,
-        open: Default::default(),
-        wall: WallTime::default(),
-    };
-    engine.state.closed_areas = Arc::new(names.iter().map(|name| (Arc::from(*name), closed())).collect());
-    engine.pump();
+fn order(engine: &mut Engine, names: &[&str]) {
+    accept(engine, Command::OrderAreas(names.iter().map(|name| Arc::from(*name)).collect()));
+}
+
+fn closing(area: &str) -> Command {
+    let name = Note::new("Anna Rossi").expect("a name");
+    Command::CloseArea(AreaClosing { area: area.into(), name, note: None, mission: None })
 }
 
 /// The name of the area whose last cell is entered first.
@@ -97,7 +91,7 @@ fn a_new_order_is_followed_at_once_by_any_strategy_with_any_goal() {
             for name in ["south", "north"] {
                 let mut engine = started(strategy, objective);
                 let mut entered = drive(&mut engine, 20);
-                order(&mut engine, &[name, "no such area"]);
+                order(&mut engine, &[name]);
                 let next = engine.state.goal;
                 entered.extend(drive(&mut engine, usize::MAX));
                 assert_eq!(*finished_first(&entered), *name, "{strategy:?} {objective:?} {next:?}");
@@ -113,7 +107,7 @@ fn a_closed_area_is_left_out_and_nothing_counts_as_left_in_it() {
     for strategy in Strategy::ALL {
         let mut engine = started(strategy, Objective::Find);
         drive(&mut engine, 20);
-        close(&mut engine, &["south"]);
+        accept(&mut engine, closing("south"));
         let entered = drive(&mut engine, usize::MAX);
         let closed = &areas()[1];
         assert!(strategy == Strategy::Snail || !closed.cells().any(|cell| entered.contains(&cell)), "{strategy:?}");
@@ -130,10 +124,13 @@ fn a_closed_area_is_left_out_and_nothing_counts_as_left_in_it() {
 fn a_goal_that_was_chosen_before_is_given_up_unless_somebody_asked_for_it() {
     for is_asked_for in [false, true] {
         let mut engine = started(Strategy::Frontier, Objective::Find);
-        drive(&mut engine, 20);
-        let goal = Some(Goal::Visit(Cell::new(1, 11)));
-        engine.state.goal = goal;
-        engine.state.again = Arc::new(goal.map(Goal::cell).filter(|_| is_asked_for).into_iter().collect());
+        let entered = drive(&mut engine, 20);
+        if is_asked_for {
+            accept(&mut engine, Command::SearchAgain(Again::Within(Bounds::of(entered[0]))));
+        }
+        drive(&mut engine, 1);
+        let goal = engine.state.goal;
+        assert!(matches!(goal, Some(Goal::Visit(_))) && engine.state.again.is_empty() != is_asked_for, "{goal:?}");
         order(&mut engine, &["north"]);
         assert_eq!(engine.state.goal, goal.filter(|_| is_asked_for));
     }
@@ -147,7 +144,7 @@ fn an_area_that_is_closed_while_the_robot_searches_it_is_left() {
         while !areas()[1].cells().any(|cell| cell == engine.state.pose.cell) {
             drive(&mut engine, 1);
         }
-        close(&mut engine, &["south"]);
+        accept(&mut engine, closing("south"));
         drive(&mut engine, 1);
         let goal = engine.state.goal.map(Goal::cell).expect("the search goes on");
         assert!(!areas()[1].cells().any(|cell| cell == goal), "{strategy:?} {goal}");
@@ -158,10 +155,9 @@ fn an_area_that_is_closed_while_the_robot_searches_it_is_left() {
 fn cells_of_a_closed_area_are_searched_again_when_somebody_asks() {
     let mut engine = started(Strategy::Auto, Objective::Find);
     drive(&mut engine, usize::MAX);
-    close(&mut engine, &["south"]);
+    accept(&mut engine, closing("south"));
     let again = Again::Within(Bounds { least: Cell::new(9, 9), most: Cell::new(10, 10) });
-    let again = Command::SearchAgain(again);
-    engine.handle_command(Request::new(again, Issuer::operator(Door::LOCAL)), now(1)).expect("it was searched");
+    accept(&mut engine, Command::SearchAgain(again));
     let entered = drive(&mut engine, usize::MAX);
     assert!(entered.contains(&Cell::new(9, 10)) && engine.state.again.is_empty(), "{entered:?}");
 }
@@ -171,7 +167,7 @@ fn a_restart_and_the_past_know_the_order_and_the_closed_areas() {
     let mut engine = started(Strategy::Frontier, Objective::Cover);
     order(&mut engine, &["north"]);
     drive(&mut engine, 60);
-    close(&mut engine, &["south"]);
+    accept(&mut engine, closing("south"));
     let state = engine.persistent_state();
     let past = Past { seq: Seq(9), state: state.clone(), trail: Vec::new(), temperatures: Vec::new(), latest: Vec::new() };
     assert_eq!(past.snapshot(engine.settings, []).mission.progress.unknown, engine.progress().unknown);
@@ -180,7 +176,50 @@ fn a_restart_and_the_past_know_the_order_and_the_closed_areas() {
     let mut again = Engine::recall(engine.settings, "again".into(), recalled, now(2));
     assert_eq!((again.planner.areas.clone(), again.state.goal), (engine.planner.areas.clone(), goal), "nothing has changed");
     assert!(again.planner.areas.is_some());
-    again.state.conditions = None;
-    again.pump();
+    again.note_venue(Venue::default(), now(3));
     assert_eq!(again.planner.areas, None, "another hall has no areas");
+}
+
+#[test]
+fn a_closed_area_keeps_its_place_in_the_order_until_it_is_searched_again() {
+    for is_opened in [false, true] {
+        let mut engine = started(Strategy::Auto, Objective::Find);
+        accept(&mut engine, closing("south"));
+        order(&mut engine, &["south", "north"]);
+        let mut entered = drive(&mut engine, 12);
+        let places = engine.snapshot().mission.areas.iter().map(|area| area.order).collect::<Vec<_>>();
+        assert_eq!(places, [Some(2), Some(1)], "the closed area is in the order");
+        if is_opened {
+            accept(&mut engine, Command::SearchAgain(Again::Area("south".into())));
+            assert!(engine.state.closed_areas.is_empty());
+        }
+        entered.extend(drive(&mut engine, usize::MAX));
+        let has_entered = |area: &Area| area.cells().all(|cell| entered.contains(&cell));
+        assert_eq!(areas().map(|area| has_entered(&area)), [true, is_opened]);
+        assert!(!is_opened || &*finished_first(&entered) == "south", "{entered:?}");
+        assert_eq!(engine.phase_name(), PhaseName::Explored);
+    }
+}
+
+#[test]
+fn closing_an_area_again_with_the_same_id_has_the_same_answer_and_changes_nothing() {
+    let mut engine = started(Strategy::Auto, Objective::Find);
+    drive(&mut engine, 20);
+    let id = CommandId::new("1");
+    let request = Request { id, ..Request::new(closing("south"), Issuer::operator(Door::LOCAL)) };
+    let answer = |engine: &mut Engine| {
+        let ticket = engine.handle_command(request.clone(), now(1)).expect("it is accepted");
+        loop {
+            match engine.poll_effect().expect("it is answered") {
+                Effect::Record(page) => engine.handle_event(Event::Recorded(page.last()), now(1)),
+                Effect::Answer(of, answer) if of == ticket => return answer,
+                Effect::Order(..) | Effect::Halt(_) | Effect::Led(..) | Effect::Answer(..) => {}
+            }
+        }
+    };
+    let (first, state) = (answer(&mut engine), engine.persistent_state());
+    assert!(first.is_ok() && state.closed_areas.contains_key("south"));
+    assert_eq!((answer(&mut engine), engine.persistent_state()), (first, state));
+    let anew = engine.handle_command(Request::new(closing("south"), Issuer::operator(Door::LOCAL)), now(1));
+    assert_eq!(anew, Err(Refused::AreaClosed("south".into())));
 }
