@@ -6,8 +6,8 @@ use serde::Serialize;
 use super::journal::{OpenInAreaShape, OpenShape};
 use super::robot::PositionJson;
 use super::time::rfc3339;
-use super::vocabulary;
-use hallsweep_core::closing::{Closed, ClosedArea};
+use super::{is_default, vocabulary};
+use hallsweep_core::closing::Closed;
 use hallsweep_core::command::Strategy;
 use hallsweep_core::phase::FaultCause;
 use hallsweep_core::refused::Refused;
@@ -51,7 +51,7 @@ pub struct MissionJson {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub keep_out: Vec<RingJson>,
     /// Number of searched cells that the robot has to visit once more; absent if there are none.
-    #[serde(skip_serializing_if = "is_zero")]
+    #[serde(skip_serializing_if = "is_default")]
     pub search_again: usize,
     /// Whether this is an exercise with test pieces; absent otherwise.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
@@ -99,7 +99,7 @@ pub struct ClosedAreaJson {
 impl From<&AreaView> for AreaJson {
     fn from(AreaView { area, order, closed }: &AreaView) -> AreaJson {
         let corners = area.corners.iter().copied().map(PositionJson::from).collect();
-        let closed = closed.as_ref().map(|ClosedArea { who, name, note, open, wall }| ClosedAreaJson {
+        let closed = closed.as_ref().map(|Closed { who, name, note, open, wall }| ClosedAreaJson {
             name: name.text().to_owned(),
             by: who.to_string(),
             at: rfc3339(*wall),
@@ -157,7 +157,7 @@ pub struct ProgressJson {
     /// Number of open places: unknown cells beside visited cells, and obstacles still to be inspected.
     pub unknown: usize,
     /// Number of open places inside keep-out rings, which are not in `unknown`; absent if there are no such places.
-    #[serde(skip_serializing_if = "is_zero")]
+    #[serde(skip_serializing_if = "is_default")]
     pub kept_out: usize,
     /// 100 when no place is open any more. Null until then, because the size of the hall is not known yet.
     pub percent: Option<u8>,
@@ -243,11 +243,6 @@ fn rings(keep_out: &KeepOut) -> Vec<RingJson> {
         radius,
     };
     keep_out.rings().iter().map(ring).collect()
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
-const fn is_zero(count: &usize) -> bool {
-    *count == 0
 }
 
 impl From<Progress> for ProgressJson {

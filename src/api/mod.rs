@@ -47,3 +47,8 @@ pub(crate) mod tests;
 pub mod text;
 pub mod time;
 pub mod vocabulary;
+
+/// Whether a field is left out, because its value is the usual one.
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}

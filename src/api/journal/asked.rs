@@ -7,11 +7,11 @@ use serde_json::{Value, json};
 
 use super::coded::{Coded, Valued};
 use super::names::{self, Step};
-use super::places::{AreaShape, Point};
+use super::places::{AgainShape, Point};
 use super::{Unparsed, earlier};
 use hallsweep_core::asked::Asked;
 use hallsweep_core::closing::{AreaClosing, Closing};
-use hallsweep_core::command::{Again, Carries, Command, Hot, LuggageRef, Note, TemperatureReport};
+use hallsweep_core::command::{Carries, Command, Hot, LuggageRef, Note, TemperatureReport};
 use hallsweep_core::hand_over::HandOver;
 use hallsweep_core::simulated::{Change, Simulated};
 use hallsweep_core::speed::Speed;
@@ -82,8 +82,7 @@ fn of_command(command: &Command) -> Coded {
             let mission = mission.map(|mission| mission.0);
             Coded::new(code, json!({ "mission": mission, "to": to.text(), "note": note.as_ref().map(Note::text) }))
         }
-        Carries::Again(Again::Within(bounds)) => Coded::new(code, json!({ "area": AreaShape::from(*bounds) })),
-        Carries::Again(Again::Area(name)) => Coded::new(code, json!({ "area": &**name })),
+        Carries::Again(again) => Coded::new(code, json!({ "area": AgainShape::from(again) })),
         Carries::Areas(names) => Coded::new(code, json!({ "areas": names.iter().map(|name| &**name).collect::<Vec<_>>() })),
         Carries::AreaClosing(AreaClosing { area, name, note, mission }) => {
             let (mission, note) = (mission.map(|mission| mission.0), note.as_ref().map(Note::text));
@@ -119,6 +118,9 @@ fn answer(luggage: LuggageRef, note: Option<&Note>, hot: Hot) -> Value {
 fn command(coded: &Coded) -> Result<Command, Unparsed> {
     let celsius = || names::celsius(coded.field("celsius")?);
     let hot_answer = |question| coded.field::<Option<String>>(question)?.map(|answer| names::hot_answer(&answer)).transpose();
+    let note = || names::note(coded.field("note")?);
+    let name = |field| names::name(coded.field(field)?);
+    let mission = || Ok::<_, Unparsed>(coded.field::<Option<u64>>("mission")?.map(MissionId));
     let luggage = || {
         let id = coded.field::<Option<u64>>("luggage")?;
         Ok::<_, Unparsed>(id.map_or(LuggageRef::Pending, |id| LuggageRef::Id(LuggageId(id))))
@@ -138,31 +140,20 @@ fn command(coded: &Coded) -> Result<Command, Unparsed> {
         "verdict" => Command::Verdict {
             luggage: luggage()?,
             verdict: names::verdict(&coded.field::<String>("verdict")?)?,
-            note: names::note(coded.field("note")?)?,
+            note: note()?,
             hot: hot()?,
         },
-        "unsure" => Command::Unsure { luggage: luggage()?, note: names::note(coded.field("note")?)?, hot: hot()? },
+        "unsure" => Command::Unsure { luggage: luggage()?, note: note()?, hot: hot()? },
         "close" => {
-            let name = names::name(coded.field("name")?)?;
-            let (note, seen) = (names::note(coded.field("note")?)?, coded.field::<String>("openPoints")?.into());
-            Command::Close(Closing { name, note, seen })
+            let seen = coded.field::<String>("openPoints")?.into();
+            Command::Close(Closing { name: name("name")?, note: note()?, seen })
         }
-        "handOver" => {
-            let mission = coded.field::<Option<u64>>("mission")?.map(MissionId);
-            let (to, note) = (names::name(coded.field("to")?)?, names::note(coded.field("note")?)?);
-            Command::HandOver(HandOver { mission, to, note })
-        }
-        "searchAgain" => {
-            let Value::String(name) = coded.field("area")? else {
-                return Ok(Command::SearchAgain(Again::Within(coded.field::<AreaShape>("area")?.into())));
-            };
-            Command::SearchAgain(Again::Area(names::area(name)?))
-        }
+        "handOver" => Command::HandOver(HandOver { mission: mission()?, to: name("to")?, note: note()? }),
+        "searchAgain" => Command::SearchAgain(coded.field::<AgainShape>("area")?.again()?),
         "orderAreas" => Command::OrderAreas(names::areas(coded.field("areas")?)?),
         "closeArea" => {
-            let mission = coded.field::<Option<u64>>("mission")?.map(MissionId);
-            let (area, name) = (names::area(coded.field("area")?)?, names::name(coded.field("name")?)?);
-            Command::CloseArea(AreaClosing { area, name, note: names::note(coded.field("note")?)?, mission })
+            let area = names::area(coded.field("area")?)?;
+            Command::CloseArea(AreaClosing { area, name: name("name")?, note: note()?, mission: mission()? })
         }
         "retake" => Command::RetakePhoto(LuggageId(coded.field("luggage")?)),
         "acknowledge" => Command::Acknowledge(AlarmId(coded.field("alarm")?)),

@@ -1,33 +1,19 @@
 //! The statement of the person in charge in the journal. What was left open has the same shape in the interface.
 
-use std::sync::Arc;
-
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::places::Moment;
 use super::{Unparsed, names};
-use hallsweep_core::closing::{Closed, ClosedArea, OpenInArea, OpenPoints};
+use hallsweep_core::closing::{Closed, OpenInArea, OpenPoints};
 
 #[derive(Serialize, Deserialize)]
-pub(super) struct ClosedShape {
+pub(super) struct ClosedShape<Open = OpenShape> {
     who: String,
     name: String,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     note: Option<String>,
-    open: OpenShape,
-    when: Moment,
-}
-
-/// An area that was closed.
-#[derive(Serialize, Deserialize)]
-pub(super) struct ClosedAreaShape {
-    area: String,
-    who: String,
-    name: String,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    note: Option<String>,
-    open: OpenInAreaShape,
+    open: Open,
     when: Moment,
 }
 
@@ -63,37 +49,29 @@ pub struct OpenShape {
     unreachable: usize,
 }
 
-impl From<&Closed> for ClosedShape {
-    fn from(Closed { who, name, note, open, wall }: &Closed) -> ClosedShape {
+impl<Open: Copy, Shape: From<Open>> From<&Closed<Open>> for ClosedShape<Shape> {
+    fn from(Closed { who, name, note, open, wall }: &Closed<Open>) -> ClosedShape<Shape> {
         let note = note.as_ref().map(|note| note.text().to_owned());
         ClosedShape { who: who.to_string(), name: name.text().to_owned(), note, open: (*open).into(), when: (*wall).into() }
     }
 }
 
-impl ClosedShape {
-    pub(super) fn closed(self) -> Result<Closed, Unparsed> {
+impl<Shape> ClosedShape<Shape> {
+    pub(super) fn closed<Open: From<Shape>>(self) -> Result<Closed<Open>, Unparsed> {
         let (name, note, open) = (names::name(self.name)?, names::note(self.note)?, self.open.into());
         Ok(Closed { who: self.who.into(), name, note, open, wall: self.when.into() })
-    }
-}
-
-impl ClosedAreaShape {
-    pub(super) fn of(area: &str, ClosedArea { who, name, note, open, wall }: &ClosedArea) -> ClosedAreaShape {
-        let (name, note) = (name.text().to_owned(), note.as_ref().map(|note| note.text().to_owned()));
-        let (area, who) = (area.to_owned(), who.to_string());
-        ClosedAreaShape { area, who, name, note, open: (*open).into(), when: (*wall).into() }
-    }
-
-    pub(super) fn closed(self) -> Result<(Arc<str>, ClosedArea), Unparsed> {
-        let (name, note) = (names::name(self.name)?, names::note(self.note)?);
-        let open = OpenInArea { cells: self.open.cells, pending: self.open.pending };
-        Ok((names::area(self.area)?, ClosedArea { who: self.who.into(), name, note, open, wall: self.when.into() }))
     }
 }
 
 impl From<OpenInArea> for OpenInAreaShape {
     fn from(OpenInArea { cells, pending }: OpenInArea) -> OpenInAreaShape {
         OpenInAreaShape { cells, pending }
+    }
+}
+
+impl From<OpenInAreaShape> for OpenInArea {
+    fn from(OpenInAreaShape { cells, pending }: OpenInAreaShape) -> OpenInArea {
+        OpenInArea { cells, pending }
     }
 }
 

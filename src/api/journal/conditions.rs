@@ -8,6 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use super::{Unparsed, names};
+use crate::api::is_default;
 use hallsweep_core::settings::{AfterDanger, HotRule, Rules, SafeBy};
 use hallsweep_core::state::{Conditions, Participant, Reach, Venue};
 use hallsweep_core::units::{Bounds, Cell};
@@ -67,7 +68,7 @@ pub struct ConditionsShape {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     unsure_views: Option<u8>,
     /// Range of the robot's sonar, in cells; absent for a robot that bumps into obstacles.
-    #[serde(default, skip_serializing_if = "is_bumping")]
+    #[serde(default, skip_serializing_if = "is_default")]
     sonar_cells: u8,
     /// Calibrated model of the robot's sensor: `simCamera`; absent if there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -144,7 +145,9 @@ impl From<ParticipantShape> for Participant {
 
 impl ConditionsShape {
     pub(super) fn conditions(self) -> Result<Conditions, Unparsed> {
-        let ConditionsShape { hall, cell_m, threshold, reckoned, reach, robots, exercise, seed, .. } = self;
+        let ConditionsShape {
+            hall, cell_m, threshold, reckoned: is_reckoned, reach, robots, exercise: is_exercise, seed, ..
+        } = self;
         let reach = reach.map(|(reachable, free)| Reach { reachable, free });
         if cell_m.is_some_and(|side| !SIDES_M.contains(&side)) {
             return Err(Unparsed("the side of a cell is out of range".to_owned()));
@@ -170,10 +173,7 @@ impl ConditionsShape {
             return Err(Unparsed("the radius of the keep-out rings is out of range".to_owned()));
         }
         let robots = robots.into_iter().map(Participant::from).collect();
-        let sensor = |name: String| {
-            let known = SensorModel::ALL.into_iter().find(|sensor| sensor.name() == name);
-            known.ok_or_else(|| Unparsed(format!("{name:?} is no sensor that this version knows")))
-        };
+        let model = |name: String| names::named("sensor", &name, &SensorModel::ALL, SensorModel::name);
         let area = |NamedAreaShape { name, probability, corners }: NamedAreaShape| Area {
             name: name.into(),
             probability,
@@ -182,35 +182,18 @@ impl ConditionsShape {
         let areas: Arc<[Area]> = self.areas.into_iter().map(area).collect();
         let all = Bounds::of(Cell::HOME).grown(FARTHEST_CORNER);
         Area::check(&areas, all).map_err(|(n, fault)| Unparsed(format!("area {}: {fault}", n + 1)))?;
-        let sensor = Sensor { cells: self.sonar_cells, model: self.sensor.map(sensor).transpose()? };
+        let sensor = Sensor { cells: self.sonar_cells, model: self.sensor.map(model).transpose()? };
         Ok(Conditions {
-            venue: Venue {
-                name: hall.into(),
-                cell_m,
-                is_reckoned: reckoned,
-                reach,
-                robots,
-                is_exercise: exercise,
-                seed,
-                areas,
-                sensor,
-            },
+            venue: Venue { name: hall.into(), cell_m, is_reckoned, reach, robots, is_exercise, seed, areas, sensor },
             threshold: names::celsius(threshold)?,
             rules,
         })
     }
 }
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
-const fn is_bumping(sonar_cells: &u8) -> bool {
-    *sonar_cells == 0
-}
-
 /// Reads the name of a rule. If there is none, the usual rule applied.
 fn rule<T: Copy + Default>(name: Option<String>, all: &[T], name_of: fn(T) -> &'static str) -> Result<T, Unparsed> {
-    let Some(name) = name else { return Ok(T::default()) };
-    let known = all.iter().copied().find(|rule| name_of(*rule) == name);
-    known.ok_or_else(|| Unparsed(format!("{name:?} is no rule that this version knows")))
+    name.map_or(Ok(T::default()), |name| names::named("rule", &name, all, name_of))
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::closing::{ClosedAreaShape, ClosedShape};
+use super::closing::{ClosedShape, OpenInAreaShape};
 use super::coded::{CodeOrSentence, Coded, Form};
 use super::conditions::ConditionsShape;
 use super::luggage::{HotShape, JudgementShape, LuggageShape};
@@ -158,7 +158,10 @@ pub(super) enum Shape {
         areas: Vec<String>,
     },
     /// The person in charge has closed an area.
-    AreaClosed(ClosedAreaShape),
+    AreaClosed {
+        area: String,
+        closed: ClosedShape<OpenInAreaShape>,
+    },
     Temperature {
         source: String,
         celsius: f64,
@@ -311,7 +314,7 @@ impl Shape {
             },
             Fact::SearchAgain(again) => Shape::SearchAgain(again.into()),
             Fact::AreasOrdered(order) => Shape::AreasOrdered { areas: order.iter().map(ToString::to_string).collect() },
-            Fact::AreaClosed(area, closed) => Shape::AreaClosed(ClosedAreaShape::of(area, closed)),
+            Fact::AreaClosed(area, closed) => Shape::AreaClosed { area: area.to_string(), closed: (&**closed).into() },
             Fact::Temperature(source, celsius) => Shape::Temperature { source: source.to_string(), celsius: celsius.degrees() },
             Fact::ThermometerSilent(source) => Shape::ThermometerSilent { source: source.to_string() },
             Fact::AlarmRaised(alarm, luggage, cause) => {
@@ -382,10 +385,7 @@ impl Shape {
             }
             Shape::SearchAgain(again) => Fact::SearchAgain(again.again()?),
             Shape::AreasOrdered { areas } => Fact::AreasOrdered(names::areas(areas)?),
-            Shape::AreaClosed(closed) => {
-                let (area, closed) = closed.closed()?;
-                Fact::AreaClosed(area, Box::new(closed))
-            }
+            Shape::AreaClosed { area, closed } => Fact::AreaClosed(names::area(area)?, Box::new(closed.closed()?)),
             Shape::Temperature { source, celsius } => Fact::Temperature(source.into(), names::celsius(celsius)?),
             Shape::ThermometerSilent { source } => Fact::ThermometerSilent(source.into()),
             Shape::AlarmRaised { alarm, luggage, text } => {

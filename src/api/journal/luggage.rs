@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::coded::{CodeOrSentence, Form};
 use super::places::{Moment, Point, PoseShape};
 use super::{Unparsed, names, written};
+use crate::api::is_default;
 use hallsweep_core::command::{Hot, Issuer};
 use hallsweep_core::units::{AlarmId, LuggageId, Piece};
 use hallsweep_core::world::alarm::Alarm;
@@ -40,13 +41,8 @@ pub(super) struct LuggageShape {
     /// Time at which the piece was put into the container.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     secured: Option<Moment>,
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_default")]
     clock_set_ms: i64,
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde asks for it so")]
-pub(super) const fn is_zero(number: &i64) -> bool {
-    *number == 0
 }
 
 #[derive(Serialize, Deserialize)]

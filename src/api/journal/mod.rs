@@ -25,6 +25,7 @@ mod phase;
 mod places;
 mod refused;
 mod retrieval;
+mod rows;
 mod standing;
 mod team;
 

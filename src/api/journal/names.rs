@@ -38,7 +38,7 @@ pub(super) enum Step {
     NudgeRight,
 }
 
-fn named<T: Copy>(what: &str, name: &str, all: &[T], name_of: fn(T) -> &'static str) -> Result<T, Unparsed> {
+pub(super) fn named<T: Copy>(what: &str, name: &str, all: &[T], name_of: fn(T) -> &'static str) -> Result<T, Unparsed> {
     let known = all.iter().copied().find(|one| name_of(*one) == name);
     known.ok_or_else(|| Unparsed(format!("{:?} is no {what} that this version knows", in_short(name))))
 }

@@ -5,17 +5,19 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use super::closing::{ClosedAreaShape, ClosedShape};
+use super::closing::{ClosedShape, OpenInAreaShape};
 use super::coded::Form;
 use super::conditions::ConditionsShape;
-use super::coverage::CoverageShape;
-use super::luggage::{AlarmShape, LuggageShape, is_zero};
-use super::map::{self, Row};
+use super::coverage::{self, Looks};
+use super::luggage::{AlarmShape, LuggageShape};
+use super::map;
 use super::names::SearchShape;
 use super::phase::PhaseShape;
 use super::places::{GoalShape, Point, PoseShape};
 use super::retrieval::RetrievalShape;
+use super::rows::Row;
 use super::{Unparsed, names, retrieval};
+use crate::api::is_default;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::units::{AlarmId, LuggageId, MissionId, Piece};
 use hallsweep_core::world::records::LuggageRecords;
@@ -48,9 +50,9 @@ pub(super) struct StandingShape {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     met_again: Vec<(Point, u32)>,
     led_blinking: bool,
-    map: Vec<Row>,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    coverage: Option<CoverageShape>,
+    map: Vec<Row<String>>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    coverage: Vec<Looks>,
     pieces: Vec<u32>,
     luggage: Vec<LuggageShape>,
     last_luggage: u64,
@@ -61,11 +63,11 @@ pub(super) struct StandingShape {
     closed: Option<ClosedShape>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     area_order: Vec<String>,
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    closed_areas: Vec<ClosedAreaShape>,
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    closed_areas: BTreeMap<String, ClosedShape<OpenInAreaShape>>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     conditions: Option<ConditionsShape>,
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "is_default")]
     clock_set_ms: i64,
 }
 
@@ -89,7 +91,7 @@ impl StandingShape {
             met_again: state.met_again.iter().map(|(cell, piece)| (Point::from(*cell), piece.0)).collect(),
             led_blinking: state.led_blinking,
             map: map::rows(&state.map),
-            coverage: CoverageShape::of(&state.coverage),
+            coverage: coverage::rows(&state.coverage),
             pieces: state.pieces.iter().map(|piece| piece.0).collect(),
             luggage: state.luggage.iter().map(|record| LuggageShape::from(&**record)).collect(),
             last_luggage: state.last_luggage.0,
@@ -98,13 +100,14 @@ impl StandingShape {
             reading: state.reading.map(hallsweep_core::units::Celsius::degrees),
             closed: state.closed.as_deref().map(ClosedShape::from),
             area_order: state.area_order.iter().map(ToString::to_string).collect(),
-            closed_areas: state.closed_areas.iter().map(|(area, closed)| ClosedAreaShape::of(area, closed)).collect(),
+            closed_areas: state.closed_areas.iter().map(|(area, closed)| (area.to_string(), closed.into())).collect(),
             conditions: state.conditions.as_ref().map(ConditionsShape::from),
             clock_set_ms: state.clock_set_ms,
         }
     }
 
     pub(super) fn state(self) -> Result<PersistentState, Unparsed> {
+        let closed_area = |(area, closed): (String, ClosedShape<OpenInAreaShape>)| Ok((names::area(area)?, closed.closed()?));
         Ok(PersistentState {
             mission: MissionId(self.mission),
             under_way: self.under_way,
@@ -127,7 +130,7 @@ impl StandingShape {
             met_again: self.met_again.into_iter().map(|(cell, piece)| (cell.into(), Piece(piece))).collect(),
             led_blinking: self.led_blinking,
             map: map::map(&self.map)?,
-            coverage: self.coverage.as_ref().map(CoverageShape::coverage).transpose()?.unwrap_or_default(),
+            coverage: coverage::coverage(&self.coverage)?,
             pieces: self.pieces.into_iter().map(Piece).collect(),
             luggage: records(self.luggage)?,
             last_luggage: LuggageId(self.last_luggage),
@@ -136,7 +139,7 @@ impl StandingShape {
             reading: self.reading.map(names::celsius).transpose()?,
             closed: self.closed.map(ClosedShape::closed).transpose()?.map(Arc::new),
             area_order: names::areas(self.area_order)?,
-            closed_areas: self.closed_areas.into_iter().map(ClosedAreaShape::closed).collect::<Result<_, _>>().map(Arc::new)?,
+            closed_areas: self.closed_areas.into_iter().map(closed_area).collect::<Result<_, Unparsed>>().map(Arc::new)?,
             conditions: self.conditions.map(ConditionsShape::conditions).transpose()?,
             clock_set_ms: self.clock_set_ms,
         })

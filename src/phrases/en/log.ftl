@@ -173,7 +173,6 @@ fact-handed-over = mission handed over to { $to }, by { $who }
 fact-search-again = to be searched again: { $from } to { $to }
 fact-area-again = to be searched again: { $area }
 fact-area-closed = area { $area } closed by { $name }, key { $who }
-fact-area-closed-open = { $closed }; open: { $open }
 open-in-area = cells not searched: { $cells }, pieces without a verdict: { $pending }
 fact-closed = mission closed by { $name }, key { $who }
 fact-closed-open = { $closed }; open points: { $open }

@@ -176,7 +176,6 @@ fact-handed-over = missione consegnata a { $to }, da { $who }
 fact-search-again = da riesplorare: da { $from } a { $to }
 fact-area-again = da riesplorare: { $area }
 fact-area-closed = area { $area } chiusa da { $name }, chiave { $who }
-fact-area-closed-open = { $closed }; aperto: { $open }
 open-in-area = celle non esplorate: { $cells }, bagagli senza verdetto: { $pending }
 fact-closed = missione chiusa da { $name }, chiave { $who }
 fact-closed-open = { $closed }; punti aperti: { $open }

@@ -34,6 +34,7 @@ impl Language {
 
     fn command(self, command: &Command, meant: Option<LuggageId>) -> String {
         let named = self.say_of("asked", command.code());
+        let noted = |said: Phrase, note: &Option<Note>| self.with_remarks(said, Hot::NONE, note.as_ref());
         let celsius = |celsius: &Celsius| self.number(&format!("{} °C", celsius.degrees()));
         let said = match command.carries() {
             Carries::Nothing => named,
@@ -51,18 +52,13 @@ impl Language {
                 });
                 return self.answer_given(&said, luggage.or(meant), note, hot);
             }
-            Carries::Closing(Closing { name, note, .. }) => {
-                return self.with_remarks(named.with("name", name).to_string(), Hot::NONE, note.as_ref());
-            }
-            Carries::HandOver(HandOver { to, note, .. }) => {
-                return self.with_remarks(named.with("to", to).to_string(), Hot::NONE, note.as_ref());
-            }
+            Carries::Closing(Closing { name, note, .. }) => return noted(named.with("name", name), note),
+            Carries::HandOver(HandOver { to, note, .. }) => return noted(named.with("to", to), note),
             Carries::Again(Again::Within(bounds)) => named.with("from", bounds.least).with("to", bounds.most),
             Carries::Again(Again::Area(area)) => self.say("asked-area-again").with("area", area),
             Carries::Areas(names) => return self.area_order(names),
             Carries::AreaClosing(AreaClosing { area, name, note, .. }) => {
-                let said = named.with("area", area).with("name", name).to_string();
-                return self.with_remarks(said, Hot::NONE, note.as_ref());
+                return noted(named.with("area", area).with("name", name), note);
             }
             Carries::Unsure(luggage, note, hot) => return self.answer_given(&named, luggage.or(meant), note, hot),
             Carries::Strategy(strategy) => named.with("strategy", self.say_of("strategy", strategy.name())),
@@ -79,11 +75,7 @@ impl Language {
     fn answer_given(self, said: &Phrase<'_>, named: Option<LuggageId>, note: Option<&Note>, hot: Hot) -> String {
         let of = |id: LuggageId| self.say("asked-of").with("asked", said).with("id", id).to_string();
         let said = named.map_or_else(|| said.to_string(), of);
-        let said = self.hot(hot).map_or_else(|| said.clone(), |hot| format!("{said} ({hot})"));
-        match note {
-            Some(note) => self.say("asked-noted").with("asked", said).with("note", note).to_string(),
-            None => said,
-        }
+        self.with_remarks(said, hot, note)
     }
 
     /// Words for the answers about a piece, as `hidden: no, typical: yes`; `None` if there are none.

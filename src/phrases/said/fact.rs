@@ -1,9 +1,10 @@
 //! Words for the facts of the journal; words for requests are in `asked`.
 
+use std::fmt::Display;
 use std::sync::Arc;
 
 use crate::phrases::{Language, Phrase};
-use hallsweep_core::closing::{Closed, ClosedArea, OpenInArea, OpenPoints};
+use hallsweep_core::closing::{Closed, OpenInArea, OpenPoints};
 use hallsweep_core::command::{Again, Hot, Note, Verdict};
 use hallsweep_core::hold::Hold;
 use hallsweep_core::refused::Refused;
@@ -67,11 +68,10 @@ impl Language {
                 self.say("fact-state").with("mission", standing.mission).with("cells", standing.map.visited())
             }
             Fact::State(standing) => self.say("fact-state-none").with("cells", standing.map.visited()),
-            Fact::Command { issuer, asked, luggage, refused, .. } => self
-                .say("fact-command")
-                .with("asked", self.asked(asked, *luggage))
-                .with("issuer", self.issuer(issuer))
-                .with("outcome", self.outcome(refused.as_ref())),
+            Fact::Command { issuer, asked, luggage, refused, .. } => {
+                let say = self.say("fact-command").with("asked", self.asked(asked, *luggage));
+                say.with("issuer", self.issuer(issuer)).with("outcome", self.outcome(refused.as_ref()))
+            }
             Fact::MissionBegan(mission, strategy) => {
                 self.say("fact-mission-began").with("mission", mission).with("strategy", self.say_of("strategy", strategy.name()))
             }
@@ -101,16 +101,14 @@ impl Language {
             Fact::MetAgain(cell, piece) => self.say("fact-met-again").with("piece", piece.0).with("cell", cell),
             Fact::Secured(luggage) => self.say("secured-one").with("id", luggage),
             Fact::Led(blinking) => self.say(if *blinking { "fact-led-on" } else { "fact-led-off" }),
-            Fact::Obstacle(cell, kind) => {
-                self.say("fact-obstacle").with("cell", cell).with("kind", self.say_of("obstacle", kind))
-            }
+            Fact::Obstacle(at, kind) => self.say("fact-obstacle").with("cell", at).with("kind", self.say_of("obstacle", kind)),
             Fact::Mark(cell, mark) => self.say("fact-cell").with("cell", cell).with("mark", self.say_of("cell", mark.name())),
             Fact::Luggage { record, .. } => return self.luggage(record),
             Fact::Unsure { luggage, who, note, hot } => return self.unsure(*luggage, who, *hot, note.as_ref()),
             Fact::Judged(judgement) => return self.judged(judgement),
             Fact::Verdict { luggage, verdict, who, note, hot } if !hot.is_empty() => {
                 let say = self.say("fact-verdict").with("id", luggage).with("verdict", self.verdict(verdict.name()));
-                return self.with_remarks(say.with("who", who).to_string(), *hot, note.as_ref());
+                return self.with_remarks(say.with("who", who), *hot, note.as_ref());
             }
             Fact::Verdict { luggage, verdict, who, note, .. } => {
                 let say = self.say(if note.is_some() { "fact-verdict-noted" } else { "fact-verdict" });
@@ -121,8 +119,13 @@ impl Language {
                 self.say(if *is_test { "fact-test-piece" } else { "fact-no-test-piece" }).with("id", luggage)
             }
             Fact::Closed(closed) => return self.closed(closed),
-            Fact::HandedOver { who, to, note } => return self.handed_over(who, to, note.as_ref()),
-            Fact::SearchAgain(again) => return self.searched_again(again),
+            Fact::HandedOver { who, to, note } => {
+                return self.with_remarks(self.say("fact-handed-over").with("to", to).with("who", who), Hot::NONE, note.as_ref());
+            }
+            Fact::SearchAgain(Again::Within(bounds)) => {
+                self.say("fact-search-again").with("from", bounds.least).with("to", bounds.most)
+            }
+            Fact::SearchAgain(Again::Area(area)) => self.say("fact-area-again").with("area", area),
             Fact::AreasOrdered(order) => return self.area_order(order),
             Fact::AreaClosed(area, closed) => return self.closed_area(area, closed),
             Fact::Temperature(source, celsius) => {
@@ -159,31 +162,18 @@ impl Language {
     }
 
     fn unsure(self, luggage: LuggageId, who: &str, hot: Hot, note: Option<&Note>) -> String {
-        self.with_remarks(self.say("fact-unsure").with("id", luggage).with("who", who).to_string(), hot, note)
+        self.with_remarks(self.say("fact-unsure").with("id", luggage).with("who", who), hot, note)
     }
 
     fn judged(self, Judgement { luggage, verdict, issuer, note, hot, .. }: &Judgement) -> String {
         let say = self.say("fact-judged").with("id", luggage).with("verdict", self.verdict(verdict.name()));
-        self.with_remarks(say.with("issuer", self.issuer(issuer)).to_string(), *hot, note.as_ref())
+        self.with_remarks(say.with("issuer", self.issuer(issuer)), *hot, note.as_ref())
     }
 
     /// Adds the answers to the three questions and the note to what was said of a verdict.
-    pub(super) fn with_remarks(self, said: String, hot: Hot, note: Option<&Note>) -> String {
-        let said = self.hot(hot).map_or_else(|| said.clone(), |hot| format!("{said} ({hot})"));
+    pub(super) fn with_remarks(self, said: impl Display, hot: Hot, note: Option<&Note>) -> String {
+        let said = self.hot(hot).map_or_else(|| said.to_string(), |hot| format!("{said} ({hot})"));
         note.map_or_else(|| said.clone(), |note| self.say("asked-noted").with("asked", &said).with("note", note).to_string())
-    }
-
-    fn handed_over(self, who: &str, to: &Note, note: Option<&Note>) -> String {
-        let said = self.say("fact-handed-over").with("to", to).with("who", who).to_string();
-        self.with_remarks(said, Hot::NONE, note)
-    }
-
-    fn searched_again(self, again: &Again) -> String {
-        let said = match again {
-            Again::Within(bounds) => self.say("fact-search-again").with("from", bounds.least).with("to", bounds.most),
-            Again::Area(area) => self.say("fact-area-again").with("area", area),
-        };
-        said.to_string()
     }
 
     /// Words for the order of the areas, also where somebody asks for it.
@@ -194,22 +184,21 @@ impl Language {
         }
     }
 
-    /// Words for the statement with which an area was closed.
-    fn closed_area(self, area: &str, ClosedArea { who, name, note, open, .. }: &ClosedArea) -> String {
-        let said = self.say("fact-area-closed").with("area", area).with("name", name).with("who", who).to_string();
-        let said = self.with_remarks(said, Hot::NONE, note.as_ref());
-        self.say("fact-area-closed-open").with("closed", said).with("open", self.open_in_area(*open)).to_string()
-    }
-
     pub fn open_in_area(self, OpenInArea { cells, pending }: OpenInArea) -> String {
         self.say("open-in-area").with("cells", cells).with("pending", pending).to_string()
     }
 
     /// Words for the statement with which a mission was closed.
-    pub fn closed(self, Closed { who, name, note, open, .. }: &Closed) -> String {
-        let said = self.say("fact-closed").with("name", name).with("who", who).to_string();
-        let said = self.with_remarks(said, Hot::NONE, note.as_ref());
-        let open = self.open_points(*open).join(", ");
+    pub fn closed(self, closed: &Closed) -> String {
+        self.statement(self.say("fact-closed"), closed, self.open_points(closed.open).join(", "))
+    }
+
+    fn closed_area(self, area: &str, closed: &Closed<OpenInArea>) -> String {
+        self.statement(self.say("fact-area-closed").with("area", area), closed, self.open_in_area(closed.open))
+    }
+
+    fn statement<Open>(self, say: Phrase, Closed { who, name, note, .. }: &Closed<Open>, open: String) -> String {
+        let said = self.with_remarks(say.with("name", name).with("who", who), Hot::NONE, note.as_ref());
         self.say("fact-closed-open").with("closed", said).with("open", open).to_string()
     }
 

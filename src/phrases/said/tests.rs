@@ -8,7 +8,7 @@ use crate::phrases::Language;
 use behaviour_trees::state::StateError;
 use hallsweep_core::asked::Asked;
 use hallsweep_core::bomb_size::BombSize;
-use hallsweep_core::closing::{AreaClosing, Closed, ClosedArea, Closing, OpenInArea, OpenPoints};
+use hallsweep_core::closing::{AreaClosing, Closed, Closing, OpenInArea, OpenPoints};
 use hallsweep_core::command::{
     Again, Command, Door, Hot, HotAnswer, Issuer, LuggageRef, Move, Note, Strategy, TemperatureReport, Verdict,
 };
@@ -309,7 +309,7 @@ fn the_journal_says_where_it_is_and_what_left_it() {
 fn the_journal_says_what_became_of_areas() {
     let closed_area = |note| {
         let (name, open) = (Note::new("Anna Rossi").unwrap(), OpenInArea { cells: 12, pending: 1 });
-        let closed = ClosedArea { who: "anna".into(), name, note, open, wall: WallTime::default() };
+        let closed = Closed { who: "anna".into(), name, note, open, wall: WallTime::default() };
         Fact::AreaClosed("gate 1".into(), Box::new(closed))
     };
     check_facts([

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use super::Engine;
-use crate::closing::{AreaClosing, Closed, ClosedArea};
+use crate::closing::{AreaClosing, Closed};
 use crate::effect::Effect;
 use crate::hand_over::HandOver;
 use crate::hold::{Hold, HoldReason, Holds};
@@ -328,7 +328,7 @@ impl Engine {
         let Some(found) = self.state.area(area) else { return };
         let (who, name, note) = (Arc::clone(&issuer.who), name.clone(), note.clone());
         let open = found.open(&self.state.map, &self.state.again, &self.state.luggage);
-        let closed = ClosedArea { who, name, note, open, wall: self.now.wall };
+        let closed = Closed { who, name, note, open, wall: self.now.wall };
         self.record_areas(Fact::AreaClosed(Arc::clone(area), Box::new(closed)));
     }
 

@@ -9,7 +9,7 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 
 use super::Engine;
-use crate::closing::{Closed, ClosedArea};
+use crate::closing::{Closed, OpenInArea};
 use crate::command::Strategy;
 use crate::effect::Effect;
 use crate::hold::Hold;
@@ -52,7 +52,7 @@ pub(super) struct StateView {
     pub(super) closed: Option<Arc<Closed>>,
     pub(super) again: Arc<BTreeSet<Cell>>,
     pub(super) area_order: Arc<[Arc<str>]>,
-    pub(super) closed_areas: Arc<BTreeMap<Arc<str>, ClosedArea>>,
+    pub(super) closed_areas: Arc<BTreeMap<Arc<str>, Closed<OpenInArea>>>,
     pub(super) is_viewing: bool,
     pub(super) refusals: Refusals,
     emptied: u64,

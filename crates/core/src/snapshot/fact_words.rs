@@ -5,7 +5,7 @@ use std::fmt::Display;
 use std::sync::Arc;
 
 use crate::asked::Asked;
-use crate::closing::{Closed, ClosedArea};
+use crate::closing::Closed;
 use crate::command::{Command, Hot, Note, Verdict};
 use crate::hold::Hold;
 use crate::refused::Refused;
@@ -90,12 +90,8 @@ fn said(fact: &Fact) -> String {
         Fact::Revealed { luggage, is_test: false } => format!("luggage #{luggage} was no test piece"),
         Fact::SearchAgain(again) => format!("to be searched again: {again}"),
         Fact::AreasOrdered(order) => Command::OrderAreas(Arc::clone(order)).to_string(),
-        Fact::AreaClosed(area, closed) => closed_area(area, closed),
-        Fact::Closed(closed) => {
-            let Closed { who, name, note, open, .. } = &**closed;
-            let note = Note::in_brackets(note.as_ref());
-            format!("mission closed by {name}, key {who}{note}; open points: {open}")
-        }
+        Fact::AreaClosed(area, closed) => format!("area {area} closed {}", statement(closed)),
+        Fact::Closed(closed) => format!("mission closed {}", statement(closed)),
         Fact::HandedOver { who, to, note } => {
             let note = Note::in_brackets(note.as_ref());
             format!("mission handed over to {to}, by {who}{note}")
@@ -109,9 +105,8 @@ fn said(fact: &Fact) -> String {
     }
 }
 
-fn closed_area(area: &str, ClosedArea { who, name, note, open, .. }: &ClosedArea) -> String {
-    let note = Note::in_brackets(note.as_ref());
-    format!("area {area} closed by {name}, key {who}{note}; open: {open}")
+fn statement<Open: Display>(Closed { who, name, note, open, .. }: &Closed<Open>) -> String {
+    format!("by {name}, key {who}{}; open points: {open}", Note::in_brackets(note.as_ref()))
 }
 
 /// Returns the rules that differ from the usual ones, each after a comma.

@@ -12,7 +12,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use self::searched::SearchedHall;
-use crate::closing::{Closed, ClosedArea, OpenPoints};
+use crate::closing::{Closed, OpenInArea, OpenPoints};
 use crate::command::Strategy;
 use crate::hold::Hold;
 use crate::phase::{FaultCause, PhaseName};
@@ -150,7 +150,7 @@ pub struct AreaView {
     /// The place of the area in the order that a person has given, from 1. Areas without a place come after those with
     /// one, in an order that the search chooses.
     pub order: Option<usize>,
-    pub closed: Option<ClosedArea>,
+    pub closed: Option<Closed<OpenInArea>>,
 }
 
 /// The progress of the search. The size of the hall may be unknown until the end.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::{Conditions, PersistentState, Phase, Retrieval};
 use crate::asked::Asked;
-use crate::closing::{Closed, ClosedArea};
+use crate::closing::{Closed, OpenInArea};
 use crate::command::{Again, CommandId, Hot, Issuer, Note, Strategy, Verdict};
 use crate::event::Photo;
 use crate::hold::Hold;
@@ -108,7 +108,7 @@ pub enum Fact {
     /// The order in which a person wants the areas searched. The search chooses its goal anew.
     AreasOrdered(Arc<[Arc<str>]>),
     /// The person in charge has closed the area of this name. The search chooses its goal anew.
-    AreaClosed(Arc<str>, Box<ClosedArea>),
+    AreaClosed(Arc<str>, Box<Closed<OpenInArea>>),
     Temperature(Arc<str>, Celsius),
     /// The last reading of this source no longer counts as known.
     ThermometerSilent(Arc<str>),

@@ -26,7 +26,7 @@ use super::world::coverage::Coverage;
 use super::world::hall_map::{HallMap, Mark};
 use super::world::luggage::{Decision, Doubt, Judgement, Luggage};
 use super::world::records::LuggageRecords;
-use crate::closing::{Closed, ClosedArea};
+use crate::closing::{Closed, OpenInArea};
 use crate::command::{Again, OPERATOR, Strategy};
 use crate::hold::{Hold, Holds};
 use crate::robot::RobotId;
@@ -80,7 +80,7 @@ pub struct PersistentState {
     /// The names of the areas that a person wants searched first, in this order.
     pub area_order: Arc<[Arc<str>]>,
     /// The areas that were closed, by name. The search leaves out the rest of them.
-    pub closed_areas: Arc<BTreeMap<Arc<str>, ClosedArea>>,
+    pub closed_areas: Arc<BTreeMap<Arc<str>, Closed<OpenInArea>>>,
     /// The place and the threshold of the mission; `None` if no journal has recorded them yet.
     pub conditions: Option<Conditions>,
     /// Total of all clock changes since the mission began, in milliseconds.
@@ -296,7 +296,7 @@ impl PersistentState {
         }
     }
 
-    fn close_area(&mut self, name: &Arc<str>, closed: &ClosedArea) {
+    fn close_area(&mut self, name: &Arc<str>, closed: &Closed<OpenInArea>) {
         let cells = self.area(name).into_iter().flat_map(Area::cells);
         let noted: Vec<Cell> = cells.filter(|cell| self.again.contains(cell)).collect();
         noted.into_iter().for_each(|cell| self.not_again(cell));

@@ -17,13 +17,13 @@ pub struct Closing {
     pub seen: Arc<str>,
 }
 
-/// A mission that was closed.
+/// A mission or an area that was closed. The search leaves out the rest of a closed area.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Closed {
+pub struct Closed<Open = OpenPoints> {
     pub who: Arc<str>,
     pub name: Note,
     pub note: Option<Note>,
-    pub open: OpenPoints,
+    pub open: Open,
     pub wall: WallTime,
 }
 
@@ -36,16 +36,6 @@ pub struct AreaClosing {
     pub note: Option<Note>,
     /// The mission that the sender means. The command is refused if another one is under way.
     pub mission: Option<MissionId>,
-}
-
-/// An area that was closed. The search leaves out the rest of it.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct ClosedArea {
-    pub who: Arc<str>,
-    pub name: Note,
-    pub note: Option<Note>,
-    pub open: OpenInArea,
-    pub wall: WallTime,
 }
 
 /// Numbers of what is left open in an area.

@@ -14,7 +14,7 @@ use behaviour_trees::Value as TreeValue;
 use hallsweep_core::arm::Parcel;
 use hallsweep_core::asked::Asked;
 use hallsweep_core::bomb_size::BombSize;
-use hallsweep_core::closing::{AreaClosing, Closed, ClosedArea, OpenInArea, OpenPoints};
+use hallsweep_core::closing::{AreaClosing, Closed, OpenInArea, OpenPoints};
 use hallsweep_core::command::{
     Again, Command, CommandId, Hot, HotAnswer, Issuer, LuggageRef, Move, Note, Strategy as Order, TemperatureReport, Verdict,
 };
@@ -124,10 +124,10 @@ fn area_names() -> impl Strategy<Value = Arc<[Arc<str>]>> {
     btree_set(area_name(), 0..4).prop_map(|names| names.into_iter().collect())
 }
 
-fn closed_area() -> impl Strategy<Value = ClosedArea> {
+fn closed_area() -> impl Strategy<Value = Closed<OpenInArea>> {
     (text(), name(), note(), (any::<u32>(), any::<u32>()), wall()).prop_map(|(who, name, note, (cells, pending), wall)| {
         let open = OpenInArea { cells: cells as usize, pending: pending as usize };
-        ClosedArea { who: who.into(), name, note, open, wall }
+        Closed { who: who.into(), name, note, open, wall }
     })
 }
 

@@ -73,7 +73,7 @@ mod tests {
     use super::super::super::testing::{app, text};
     use super::*;
     use crate::api::tests::fixture::{TEN, searching};
-    use hallsweep_core::closing::{AreaClosing, ClosedArea};
+    use hallsweep_core::closing::{AreaClosing, Closed};
     use hallsweep_core::command::{Again, Command};
     use hallsweep_core::refused::Refused;
     use hallsweep_core::world::areas::Area;
@@ -88,7 +88,7 @@ mod tests {
         let mut closed = view("bar & <b>", 0.125, &[(0, 4), (2, 4), (2, 6)], None);
         let (name, note) = (Note::new("Rossi <i>").unwrap(), Note::new("dogs were there"));
         closed.closed =
-            Some(ClosedArea { who: "operator".into(), name, note, open: OpenInArea { cells: 12, pending: 1 }, wall: TEN });
+            Some(Closed { who: "operator".into(), name, note, open: OpenInArea { cells: 12, pending: 1 }, wall: TEN });
         let areas = [view("hall", 0.1, &[(0, 0), (1, 2)], None), view("gate 2", 0.05, &[(90, 3), (60, 0)], Some(1)), closed];
         snapshot.mission.areas = Arc::new(areas);
         snapshot
