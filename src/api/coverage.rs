@@ -91,11 +91,7 @@ pub fn line(searched: &Searched) -> String {
 /// All cells that were looked at, one in each line of a CSV file.
 pub fn csv(snapshot: &Snapshot) -> String {
     let sensor = snapshot.venue.sensor;
-    let named = match (sensor.model, sensor.cells) {
-        (Some(model), _) => model.name(),
-        (None, 0) => "bump",
-        (None, _) => "sonar",
-    };
+    let named = sensor.model.map_or(if sensor.cells == 0 { "bump" } else { "sonar" }, |model| model.name());
     let mut cells: Vec<(Cell, _)> = snapshot.coverage.iter().collect();
     cells.sort_unstable_by_key(|(cell, _)| (cell.y, cell.x));
     let mut text = "x,y,mark,sensor,passes,nearest_cells,last_look,detection\r\n".to_owned();

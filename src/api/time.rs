@@ -8,14 +8,12 @@ use hallsweep_core::units::WallTime;
 
 /// The time in RFC 3339 with milliseconds and offset, such as `2026-02-03T10:05:12.000+01:00`.
 pub fn rfc3339(wall: WallTime) -> String {
-    let at = zoned(wall);
-    format!("{}{}", at.strftime("%Y-%m-%dT%H:%M:%S%.3f"), at.strftime("%:z"))
+    zoned(wall).strftime("%Y-%m-%dT%H:%M:%S%.3f%:z").to_string()
 }
 
 /// The minute, such as `2026-02-03T10:05+01:00`.
 pub fn minute(wall: WallTime) -> String {
-    let at = zoned(wall);
-    format!("{}{}", at.strftime("%Y-%m-%dT%H:%M"), at.strftime("%:z"))
+    zoned(wall).strftime("%Y-%m-%dT%H:%M%:z").to_string()
 }
 
 /// The time of day, such as `10:05:12`, in the zone of `wall`.

@@ -99,13 +99,13 @@ impl Robots {
             let address = set.and_then(|robot| robot.address.written()).map(Arc::from);
             Participant { name: id.name().into(), kind, address }
         };
-        let can_miss = settings.robot.kind == RobotKind::Sim && settings.robot.camera_misses;
-        let model = (can_miss && !settings.core.inspect_everything).then_some(SensorModel::SimCamera);
+        let is_sim = settings.robot.kind == RobotKind::Sim;
+        let can_miss = settings.robot.camera_misses && !settings.core.inspect_everything;
+        let model = (is_sim && can_miss).then_some(SensorModel::SimCamera);
         let sensor = Sensor { cells: settings.core.sonar_cells, model };
         let speed = settings.robot.speed;
         let usual = (settings.hall.clone(), settings.hall_start);
-        let is_real = settings.robot.kind != RobotKind::Sim;
-        let areas = if is_real && settings.hall_is_chosen { Arc::clone(sim::hall(settings)?.areas()) } else { Arc::default() };
+        let areas = if !is_sim && settings.hall_is_chosen { Arc::clone(sim::hall(settings)?.areas()) } else { Arc::default() };
         if !is_simulated && settings.hall_is_chosen && areas.is_empty() {
             tracing::warn!(
                 hall = settings.hall,

@@ -13,13 +13,13 @@ impl Language {
 
     /// Returns the cells of each area and of the whole hall, in the order of the columns.
     pub fn coverage_rows(self, all: &SearchedHall) -> Vec<[String; 7]> {
-        let percent = |share: f64| self.say("coverage-percent").with("share", self.percent(share)).to_string();
+        let percent = |share: String| self.say("coverage-percent").with("share", share).to_string();
         let row = |name: String, probability: Option<f64>, searched: &Searched| {
-            let detection = searched.detection.map_or_else(|| self.say("coverage-unknown").to_string(), percent);
+            let unknown = || self.say("coverage-unknown").to_string();
+            let detection = searched.detection.map_or_else(unknown, |share| percent(self.percent(share)));
             let [driven, seen_only, never_seen, unreachable] = searched.parts().map(|(_, cells)| cells.to_string());
             let given = |share: f64| self.number(&format!("{}", (share * 1000.0).round() / 10.0));
-            let given = |share: f64| self.say("coverage-percent").with("share", given(share)).to_string();
-            let probability = probability.map_or_else(|| "–".to_owned(), given);
+            let probability = probability.map_or_else(|| "–".to_owned(), |share| percent(given(share)));
             [name, probability, driven, seen_only, never_seen, unreachable, detection]
         };
         let areas = all.areas.iter().map(|(area, searched)| row(area.name.to_string(), Some(area.probability), searched));
