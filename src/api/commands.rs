@@ -42,27 +42,6 @@ pub enum Subject {
     Alarm,
 }
 
-/// The body of a command at doors with paths.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Takes {
-    /// STOP: the body is not read.
-    Nothing,
-    /// The body has at most an epoch, and may be missing.
-    Epoch,
-    /// The body has at most an epoch and the number of a piece, and may be missing.
-    Retrieve,
-    Close,
-    HandOver,
-    Area,
-    OrderAreas,
-    CloseArea,
-    Move,
-    Goto,
-    Verdict,
-    Strategy,
-    Temperature,
-}
-
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Methods {
     /// POST, for a command that acts each time it is sent.
@@ -87,7 +66,6 @@ pub struct CommandRow {
     pub subject: Subject,
     /// Examples of the payload at doors without paths. The command id is left out.
     pub body: &'static [&'static str],
-    pub takes: Takes,
 }
 
 const EPOCH: &[&str] = &[r#"{"epoch":4}"#];
@@ -96,26 +74,26 @@ const EPOCH: &[&str] = &[r#"{"epoch":4}"#];
 #[rustfmt::skip]
 pub const COMMANDS: [CommandRow; 18] = [
     word("start", "/commands/start", "begin or resume the mission", CommandKind::Start, EPOCH),
-    CommandRow { need: Need::Stop, takes: Takes::Nothing, ..word("stop", "/commands/stop", "halt the robot", CommandKind::Stop, &[]) },
+    CommandRow { need: Need::Stop, ..word("stop", "/commands/stop", "halt the robot", CommandKind::Stop, &[]) },
     word("backHome", "/commands/backHome", "go home and wait", CommandKind::BackHome, EPOCH),
     word("goOn", "/commands/goOn", "go on with the search after a find", CommandKind::GoOn, EPOCH),
-    CommandRow { takes: Takes::Retrieve, ..word("retrieve", "/commands/retrieve", "fetch a dangerous piece", CommandKind::Retrieve,
-        &[r#"{"epoch":4}"#, r#"{"luggage":3}"#]) },
+    word("retrieve", "/commands/retrieve", "fetch a dangerous piece", CommandKind::Retrieve,
+        &[r#"{"epoch":4}"#, r#"{"luggage":3}"#]),
     word("reset", "/commands/reset", "end the mission", CommandKind::Reset, &[]),
-    CommandRow { takes: Takes::Close, ..word("close", "/commands/close", "state that the search is over", CommandKind::Close,
-        &[r#"{"name":"Anna Rossi","openPoints":"7:0,1,21,0,0,111,0"}"#]) },
-    CommandRow { takes: Takes::HandOver, ..word("handOver", "/commands/handOver", "hand the mission over", CommandKind::HandOver,
-        &[r#"{"to":"Inspector Bianchi","mission":7}"#, r#"{"to":"court","note":"with the photos"}"#]) },
-    CommandRow { takes: Takes::Area, ..word("searchAgain", "/commands/searchAgain", "search an area again", CommandKind::SearchAgain,
-        &[r#"{"x":1,"y":1,"toX":4,"toY":3}"#, r#"{"area":"gate 1"}"#]) },
-    CommandRow { takes: Takes::OrderAreas, ..word("orderAreas", "/commands/orderAreas", "choose which areas come first", CommandKind::OrderAreas,
-        &[r#"{"areas":["gate 1","gate 2"]}"#, r#"{"areas":[]}"#]) },
-    CommandRow { takes: Takes::CloseArea, ..word("closeArea", "/commands/closeArea", "state that the search of an area is over", CommandKind::CloseArea,
-        &[r#"{"area":"gate 1","name":"Anna Rossi"}"#]) },
-    CommandRow { need: Need::Stop, takes: Takes::Move, ..word("move", "/commands/move", "move once by hand", CommandKind::Move,
+    word("close", "/commands/close", "state that the search is over", CommandKind::Close,
+        &[r#"{"name":"Anna Rossi","openPoints":"7:0,1,21,0,0,111,0"}"#]),
+    word("handOver", "/commands/handOver", "hand the mission over", CommandKind::HandOver,
+        &[r#"{"to":"Inspector Bianchi","mission":7}"#, r#"{"to":"court","note":"with the photos"}"#]),
+    word("searchAgain", "/commands/searchAgain", "search an area again", CommandKind::SearchAgain,
+        &[r#"{"x":1,"y":1,"toX":4,"toY":3}"#, r#"{"area":"gate 1"}"#]),
+    word("orderAreas", "/commands/orderAreas", "choose which areas come first", CommandKind::OrderAreas,
+        &[r#"{"areas":["gate 1","gate 2"]}"#, r#"{"areas":[]}"#]),
+    word("closeArea", "/commands/closeArea", "state that the search of an area is over", CommandKind::CloseArea,
+        &[r#"{"area":"gate 1","name":"Anna Rossi"}"#]),
+    CommandRow { need: Need::Stop, ..word("move", "/commands/move", "move once by hand", CommandKind::Move,
         &[r#"{"move":"w"}"#, r#"{"move":"h"}"#]) },
-    CommandRow { takes: Takes::Goto, ..word("goto", "/commands/goto", "drive to a cell", CommandKind::Goto, &[r#"{"x":1,"y":1}"#]) },
-    CommandRow { subject: Subject::Luggage, methods: Methods::PostOrPut, takes: Takes::Verdict,
+    word("goto", "/commands/goto", "drive to a cell", CommandKind::Goto, &[r#"{"x":1,"y":1}"#]),
+    CommandRow { subject: Subject::Luggage, methods: Methods::PostOrPut,
         ..word("verdict", "/luggage/{id}/verdict", "declare a piece safe or dangerous, or say unsure", CommandKind::Verdict,
             &[r#"{"luggage":3,"verdict":"safe"}"#, r#"{"luggage":3,"verdict":"danger","note":"wires"}"#,
                 r#"{"luggage":3,"verdict":"unsure"}"#]) },
@@ -124,9 +102,9 @@ pub const COMMANDS: [CommandRow; 18] = [
     CommandRow { subject: Subject::Alarm,
         ..word("acknowledge", "/alarms/{id}/acknowledge", "acknowledge an alarm", CommandKind::Acknowledge,
             &[r#"{"alarm":2}"#]) },
-    CommandRow { methods: Methods::Put, takes: Takes::Strategy,
+    CommandRow { methods: Methods::Put,
         ..word("strategy", "/strategy", "choose the order of the search", CommandKind::Strategy, &[r#"{"name":"snail"}"#]) },
-    CommandRow { methods: Methods::Put, takes: Takes::Temperature,
+    CommandRow { methods: Methods::Put,
         ..word("temperature", "/temperature", "report the temperature", CommandKind::Temperature,
             &[r#"{"celsius":21.5}"#, r#"{"celsius":21.5,"sensor":"roof"}"#, r#"{"status":"ok"}"#, r#"{"status":"tooHigh"}"#]) },
 ];
@@ -185,7 +163,8 @@ impl CommandRow {
     }
 
     pub const fn needs_body(&self) -> bool {
-        !matches!(self.takes, Takes::Nothing | Takes::Epoch | Takes::Retrieve)
+        use CommandKind::{Acknowledge, BackHome, GoOn, Reset, Retake, Retrieve, Start, Stop};
+        !matches!(self.kind, Start | Stop | BackHome | GoOn | Retrieve | Reset | Retake | Acknowledge)
     }
 }
 
@@ -197,8 +176,8 @@ const fn word(
     kind: CommandKind,
     body: &'static [&'static str],
 ) -> CommandRow {
-    let (need, methods, subject, takes) = (Need::Act, Methods::Post, Subject::None, Takes::Epoch);
-    CommandRow { name, title, kind, need, path, methods, subject, body, takes }
+    let (need, methods, subject) = (Need::Act, Methods::Post, Subject::None);
+    CommandRow { name, title, kind, need, path, methods, subject, body }
 }
 
 #[cfg(test)]

@@ -10,7 +10,7 @@ use super::command::{
     AreaBody, CloseAreaBody, CloseBody, EpochBody, GotoBody, HandOverBody, MoveBody, OrderAreasBody, RetrieveBody, StrategyBody,
     TemperatureBody, VerdictBody,
 };
-use super::commands::Takes;
+use super::commands::CommandKind;
 use super::coverage::CoverageJson;
 use super::log::LogLineJson;
 use super::luggage::LuggageJson;
@@ -68,21 +68,26 @@ impl Schemas {
     }
 
     /// Returns the schema of a command's body; `None` for STOP, because its body is not read.
-    pub fn body(&mut self, takes: Takes) -> Option<Value> {
-        Some(match takes {
-            Takes::Nothing => return None,
-            Takes::Epoch => self.taken::<EpochBody>(),
-            Takes::Retrieve => self.taken::<RetrieveBody>(),
-            Takes::Close => self.taken::<CloseBody>(),
-            Takes::HandOver => self.taken::<HandOverBody>(),
-            Takes::Area => self.taken::<AreaBody>(),
-            Takes::OrderAreas => self.taken::<OrderAreasBody>(),
-            Takes::CloseArea => self.taken::<CloseAreaBody>(),
-            Takes::Move => self.taken::<MoveBody>(),
-            Takes::Goto => self.taken::<GotoBody>(),
-            Takes::Verdict => self.taken::<VerdictBody>(),
-            Takes::Strategy => self.taken::<StrategyBody>(),
-            Takes::Temperature => self.taken::<TemperatureBody>(),
+    pub fn body(&mut self, kind: CommandKind) -> Option<Value> {
+        Some(match kind {
+            CommandKind::Stop => return None,
+            CommandKind::Start
+            | CommandKind::BackHome
+            | CommandKind::GoOn
+            | CommandKind::Reset
+            | CommandKind::Retake
+            | CommandKind::Acknowledge => self.taken::<EpochBody>(),
+            CommandKind::Retrieve => self.taken::<RetrieveBody>(),
+            CommandKind::Close => self.taken::<CloseBody>(),
+            CommandKind::HandOver => self.taken::<HandOverBody>(),
+            CommandKind::SearchAgain => self.taken::<AreaBody>(),
+            CommandKind::OrderAreas => self.taken::<OrderAreasBody>(),
+            CommandKind::CloseArea => self.taken::<CloseAreaBody>(),
+            CommandKind::Move => self.taken::<MoveBody>(),
+            CommandKind::Goto => self.taken::<GotoBody>(),
+            CommandKind::Verdict => self.taken::<VerdictBody>(),
+            CommandKind::Strategy => self.taken::<StrategyBody>(),
+            CommandKind::Temperature => self.taken::<TemperatureBody>(),
         })
     }
 
@@ -167,7 +172,7 @@ mod tests {
         let mut schemas = Schemas::default();
         let shown: Vec<Value> = RESOURCES.iter().filter_map(|row| schemas.resource(row.kind)).collect();
         assert_eq!(shown.len(), RESOURCES.len() - 1, "all but the picture");
-        let bodies: Vec<Value> = COMMANDS.iter().filter_map(|row| schemas.body(row.takes)).collect();
+        let bodies: Vec<Value> = COMMANDS.iter().filter_map(|row| schemas.body(row.kind)).collect();
         assert_eq!(bodies.len(), COMMANDS.len() - 1, "all but STOP's");
         let written: BTreeSet<&String> = schemas.sent.definitions().keys().chain(schemas.taken.definitions().keys()).collect();
         let named: BTreeSet<&str> = written.iter().map(|name| public(name)).collect();

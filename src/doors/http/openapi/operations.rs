@@ -13,7 +13,7 @@ use super::operation::Subject::{Commands, Laboratory, Map, Missions, OldClients,
 use super::operation::{Operation, Subject};
 use crate::api::answer::AnswerJson;
 use crate::api::changes::ChangesJson;
-use crate::api::commands::{self, COMMANDS, CommandKind, Methods, Takes};
+use crate::api::commands::{self, COMMANDS, CommandKind, Methods};
 use crate::api::hall_files::ReadHall;
 use crate::api::map::MapJson;
 use crate::api::map_files::FILES;
@@ -71,13 +71,13 @@ fn command(row: &'static commands::CommandRow, schemas: &mut Schemas) -> Operati
     let operation = Operation::new(method, format!("/api/v1{}", row.path), row.name, Commands, row.title)
         .answers(JSON, answer)
         .once(row.kind == CommandKind::Stop);
-    let operation = match schemas.body(row.takes) {
+    let operation = match schemas.body(row.kind) {
         Some(body) => operation.takes(&[JSON], body, row.needs_body()),
         None => operation,
     };
     // The request may name a sensor that the settings do not have, or an area that the hall does not have.
-    let names_something =
-        row.kind == CommandKind::Temperature || matches!(row.takes, Takes::Area | Takes::OrderAreas | Takes::CloseArea);
+    use CommandKind::{CloseArea, OrderAreas, SearchAgain, Temperature};
+    let names_something = matches!(row.kind, SearchAgain | OrderAreas | CloseArea | Temperature);
     if names_something { operation.also(&[ProblemKind::NotFound]) } else { operation }
 }
 
