@@ -22,7 +22,7 @@ pub(crate) fn check<N: Notation>(bytes: &[u8]) {
     read::<N, RetrieveBody>(bytes).map(RetrieveBody::command);
     said(read::<N, CloseBody>(bytes).map(|body| body.command()));
     said(read::<N, HandOverBody>(bytes).map(|body| body.command()));
-    read::<N, AreaBody>(bytes).map(AreaBody::command);
+    said(read::<N, AreaBody>(bytes).map(AreaBody::command));
     said(read::<N, OrderAreasBody>(bytes).map(|body| body.command()));
     said(read::<N, CloseAreaBody>(bytes).map(|body| body.command()));
     said(read::<N, MoveBody>(bytes).map(|body| body.command()));

@@ -20,7 +20,7 @@ use hallsweep_core::units::{Cell, Celsius, Epoch, LuggageId, MissionId};
 use hallsweep_core::words::is_visible;
 use hallsweep_core::world::hall_map::REACH;
 
-pub use self::areas::{AreaBody, CloseAreaBody, OrderAreasBody, close_area, order_areas, search_again, search_area_again};
+pub use self::areas::{AreaBody, CloseAreaBody, OrderAreasBody};
 pub use super::fields::Unusable;
 
 /// Body of a command without arguments. The body may be absent.
@@ -50,14 +50,14 @@ pub struct RetrieveBody {
 pub struct CloseBody {
     /// Name of the person in charge, in one line of visible characters.
     #[schemars(length(min = 1, max = Note::MOST), regex(pattern = NAME))]
-    name: String,
+    pub name: String,
     /// Remark, in one line of visible characters.
     #[schemars(length(max = Note::MOST), regex(pattern = VISIBLE))]
-    note: Option<String>,
+    pub note: Option<String>,
     /// Mission and open points that the sender has seen. May be absent if nothing is open. The refusal `openPoints` has
     /// the text to send.
     #[schemars(length(max = OPEN_POINTS))]
-    open_points: Option<String>,
+    pub open_points: Option<String>,
 }
 
 /// Hand-over of the mission and its record, as `{"to":"Inspector Bianchi","mission":7}`.
@@ -66,13 +66,13 @@ pub struct CloseBody {
 pub struct HandOverBody {
     /// Name of the person or office that takes over, in one line of visible characters.
     #[schemars(length(min = 1, max = Note::MOST), regex(pattern = NAME))]
-    to: String,
+    pub to: String,
     /// Remark, in one line of visible characters.
     #[schemars(length(max = Note::MOST), regex(pattern = VISIBLE))]
-    note: Option<String>,
+    pub note: Option<String>,
     /// Number of the mission that the sender means. The command is refused if another mission is under way.
     #[schemars(range(max = u64::MAX))]
-    mission: Option<u64>,
+    pub mission: Option<u64>,
 }
 
 /// One move by hand, as `{"move":"w"}`.
@@ -137,7 +137,7 @@ pub struct TemperatureBody {
 #[schemars(deny_unknown_fields)]
 pub struct StrategyBody {
     #[schemars(with = "vocabulary::StrategyName")]
-    name: String,
+    pub name: String,
 }
 
 /// Maximum length of the text that names a mission and its open points, in characters. Seven numbers fit.
@@ -298,13 +298,21 @@ impl RetrieveBody {
 
 impl CloseBody {
     pub fn command(&self) -> Result<Command, Unusable> {
-        close(&self.name, self.note.as_deref(), self.open_points.as_deref().unwrap_or_default())
+        let name = person(&self.name)?;
+        let open = self.open_points.as_deref().unwrap_or_default();
+        let length = open.chars().count();
+        if length > OPEN_POINTS {
+            return Err(Unusable(format!("openPoints has {length} characters: send the text of the refusal openPoints")));
+        }
+        Ok(Command::Close(Closing { name, note: note(self.note.as_deref())?, seen: open.into() }))
     }
 }
 
 impl HandOverBody {
     pub fn command(&self) -> Result<Command, Unusable> {
-        hand_over(&self.to, self.note.as_deref(), self.mission)
+        let empty = || Unusable("`to` is empty: write who takes the mission over".to_owned());
+        let to = line("`to`", &self.to)?.ok_or_else(empty)?;
+        Ok(Command::HandOver(HandOver { mission: self.mission.map(MissionId), to, note: note(self.note.as_deref())? }))
     }
 }
 
@@ -322,7 +330,7 @@ impl GotoBody {
 
 impl VerdictBody {
     pub fn command(&self, luggage: LuggageRef) -> Result<Command, Unusable> {
-        let note = self.note.as_deref().map(note).transpose()?.flatten();
+        let note = note(self.note.as_deref())?;
         let hot = Hot {
             hidden: hot_answer("hidden", self.hidden.as_deref())?,
             obvious: hot_answer("obvious", self.obvious.as_deref())?,
@@ -373,10 +381,6 @@ impl TemperatureBody {
 }
 
 impl StrategyBody {
-    pub fn named(name: &str) -> StrategyBody {
-        StrategyBody { name: name.to_owned() }
-    }
-
     pub fn strategy(&self) -> Result<Strategy, Unusable> {
         let known: Vec<&str> = Strategy::ALL.iter().map(|strategy| strategy.name()).collect();
         Strategy::named(&self.name)
@@ -384,9 +388,9 @@ impl StrategyBody {
     }
 }
 
-/// Reads the note of a verdict; `None` if the note is blank.
-pub fn note(text: &str) -> Result<Option<Note>, Unusable> {
-    line("the note", text)
+/// Reads a note; `None` if the note is blank.
+pub fn note(text: Option<&str>) -> Result<Option<Note>, Unusable> {
+    text.map_or(Ok(None), |text| line("the note", text))
 }
 
 /// Reads one line of visible characters; `None` if it is blank. `what` names the field in the error message.
@@ -402,26 +406,9 @@ fn line(what: &str, text: &str) -> Result<Option<Note>, Unusable> {
     Ok(Note::new(text))
 }
 
-/// Reads the statement of the person in charge.
-pub fn close(name: &str, note_of: Option<&str>, open: &str) -> Result<Command, Unusable> {
-    let name = person(name)?;
-    let length = open.chars().count();
-    if length > OPEN_POINTS {
-        return Err(Unusable(format!("openPoints has {length} characters: send the text of the refusal openPoints")));
-    }
-    Ok(Command::Close(Closing { name, note: note_of.map(note).transpose()?.flatten(), seen: open.into() }))
-}
-
 fn person(name: &str) -> Result<Note, Unusable> {
     let empty = || Unusable("the name is empty: write the name of the person in charge".to_owned());
     line("the name", name)?.ok_or_else(empty)
-}
-
-/// Reads to whom the mission is handed over.
-pub fn hand_over(to: &str, note_of: Option<&str>, mission: Option<u64>) -> Result<Command, Unusable> {
-    let to = line("`to`", to)?.ok_or_else(|| Unusable("`to` is empty: write who takes the mission over".to_owned()))?;
-    let (mission, note) = (mission.map(MissionId), note_of.map(note).transpose()?.flatten());
-    Ok(Command::HandOver(HandOver { mission, to, note }))
 }
 
 pub fn bomb_size(text: &str) -> Result<BombSize, Unusable> {

@@ -143,7 +143,7 @@ pub fn asked<P: Payload>(kind: CommandKind, number: u64, payload: &P) -> Result<
         CommandKind::Reset => with_epoch(Command::Reset),
         CommandKind::Close => Ok((payload.needed::<CloseBody>()?.command()?, None)),
         CommandKind::HandOver => Ok((payload.needed::<HandOverBody>()?.command()?, None)),
-        CommandKind::SearchAgain => Ok(payload.needed::<AreaBody>()?.command()),
+        CommandKind::SearchAgain => Ok(payload.needed::<AreaBody>()?.command()?),
         CommandKind::OrderAreas => Ok((payload.needed::<OrderAreasBody>()?.command()?, None)),
         CommandKind::CloseArea => Ok((payload.needed::<CloseAreaBody>()?.command()?, None)),
         CommandKind::Move => Ok(payload.needed::<MoveBody>()?.command()?),

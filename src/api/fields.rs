@@ -79,10 +79,6 @@ impl BodyFields {
         self.field(name, "a number, such as 21.5", Value::as_f64)
     }
 
-    pub fn has(&self, name: &str) -> bool {
-        self.left.get(name).is_some_and(|value| !value.is_null())
-    }
-
     /// Removes a field that does not belong to the command, and returns its value as read by `read`. The command is
     /// read from the other fields.
     pub fn aside<T>(

@@ -140,7 +140,13 @@ mod tests {
             names.extend(fields(&shapes[name], shapes));
         }
         names.extend(schema["properties"].as_object().into_iter().flatten().map(|(name, _)| name.clone()));
-        names.extend(schema["oneOf"].as_array().into_iter().flatten().flat_map(|form| fields(form, shapes)));
+        names.extend(
+            ["oneOf", "anyOf"]
+                .into_iter()
+                .filter_map(|forms| schema[forms].as_array())
+                .flatten()
+                .flat_map(|form| fields(form, shapes)),
+        );
         names
     }
 

@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use super::super::problem::Problem;
 use super::super::reading::needed;
-use crate::api::command::{self, StrategyBody};
+use crate::api::command::{self, AreaBody, CloseAreaBody, CloseBody, HandOverBody, OrderAreasBody, StrategyBody};
 use crate::api::commands::{CommandKind, CommandRow};
 use crate::api::fields::in_short;
 use hallsweep_core::bomb_size::BombSize;
@@ -77,6 +77,8 @@ impl Fields {
     /// Returns the command of this form, and the epoch that the page showed when the form was sent.
     pub(super) fn command(&self, act: &str) -> Result<(Command, Option<Epoch>), Problem> {
         let epoch = self.epoch.as_deref().map(|text| number("epoch", text)).transpose()?.map(Epoch);
+        let note = self.note.as_deref().map(one_line);
+        let mission = || self.mission.as_deref().map(|text| number("mission", text)).transpose();
         let command = match act {
             "start" => Command::Start,
             "stop" => Command::Stop,
@@ -88,26 +90,34 @@ impl Fields {
             }
             "reset" => Command::Reset,
             "close" => {
-                let (name, note) = (needed("name", self.name.as_deref())?, self.note.as_deref().map(one_line));
-                command::close(&one_line(name), note.as_deref(), needed("open", self.open.as_deref())?)?
+                let name = one_line(needed("name", self.name.as_deref())?);
+                let open_points = Some(needed("open", self.open.as_deref())?.to_owned());
+                CloseBody { name, note, open_points }.command()?
             }
             "handOver" => {
-                let mission = self.mission.as_deref().map(|text| number("mission", text)).transpose()?;
-                let (to, note) = (needed("to", self.to.as_deref())?, self.note.as_deref().map(one_line));
-                command::hand_over(&one_line(to), note.as_deref(), mission)?
+                let to = one_line(needed("to", self.to.as_deref())?);
+                HandOverBody { to, note, mission: mission()? }.command()?
             }
             "move" => command::move_word(needed("move", self.word.as_deref())?)?,
             "goto" => command::goto(whole("x", &self.x)?, whole("y", &self.y)?)?,
-            "searchAgain" if self.area.is_some() => command::search_area_again(self.area())?,
             "orderAreas" => self.area_order()?,
             "closeArea" => {
-                let mission = self.mission.as_deref().map(|text| number("mission", text)).transpose()?;
-                let (name, note) = (needed("name", self.name.as_deref())?, self.note.as_deref().map(one_line));
-                command::close_area(needed("area", self.area.as_deref())?, &one_line(name), note.as_deref(), mission)?
+                let area = needed("area", self.area.as_deref())?.to_owned();
+                let name = one_line(needed("name", self.name.as_deref())?);
+                CloseAreaBody { area, name, note, mission: mission()? }.command()?
             }
             "searchAgain" => {
-                let corner = (whole("x", &self.x)?, whole("y", &self.y)?);
-                command::search_again(corner, (whole("toX", &self.to_x)?, whole("toY", &self.to_y)?))?
+                let body = match self.area.clone() {
+                    Some(area) => AreaBody::Named { area, epoch: None },
+                    None => AreaBody::Corners {
+                        x: whole("x", &self.x)?,
+                        y: whole("y", &self.y)?,
+                        to_x: whole("toX", &self.to_x)?,
+                        to_y: whole("toY", &self.to_y)?,
+                        epoch: None,
+                    },
+                };
+                body.command()?.0
             }
             "safe" => self.answer(Some(Verdict::Safe))?,
             "danger" => self.answer(Some(Verdict::Danger))?,
@@ -157,7 +167,7 @@ impl Fields {
         if let Some(first) = first {
             names.swap(first, first + 1);
         }
-        Ok(command::order_areas(names.into_iter())?)
+        Ok(OrderAreasBody { areas: names.into_iter().map(str::to_owned).collect() }.command()?)
     }
 
     /// Returns the answer about a piece; without a verdict, the sender is unsure.
@@ -182,8 +192,8 @@ impl Fields {
     }
 
     fn strategy(&self) -> Result<hallsweep_core::command::Strategy, Problem> {
-        let body = StrategyBody::named(needed("name", self.name.as_deref())?);
-        Ok(body.strategy()?)
+        let name = needed("name", self.name.as_deref())?.to_owned();
+        Ok(StrategyBody { name }.strategy()?)
     }
 
     fn temperature(&self) -> Result<TemperatureReport, Problem> {
@@ -198,7 +208,7 @@ impl Fields {
 
 /// Returns the typed note as one line: each sequence of white space becomes one space.
 fn note(typed: &str) -> Result<Option<Note>, Problem> {
-    Ok(command::note(&one_line(typed))?)
+    Ok(command::note(Some(&one_line(typed)))?)
 }
 
 fn one_line(typed: &str) -> String {
