@@ -21,6 +21,9 @@ use crate::api::fields::{self, Body as Fields, Unread, in_short};
 /// Maximum size of a body in bytes. A command has only a few dozen bytes.
 pub(super) const BODY_BYTES: usize = 16 * 1024;
 
+/// Maximum size of a form in bytes. The names of all areas fit, with every letter as `%F0%9F%9A%AA`.
+const FORM_BYTES: usize = 32 * 1024;
+
 /// Maximum size of a hall in bytes, enough for a hall of 250 × 250 cells. A hall and its head together fit into the
 /// buffer of `hearing::connection` (`AHEAD`).
 pub(super) const HALL_BYTES: usize = 64 * 1024;
@@ -147,7 +150,7 @@ impl<S: Send + Sync, T: DeserializeOwned> FromRequest<S> for Form<T> {
     type Rejection = Problem;
 
     async fn from_request(request: Request, state: &S) -> Result<Form<T>, Problem> {
-        let (headers, body) = body_of(request, BODY_BYTES).await?;
+        let (headers, body) = body_of(request, FORM_BYTES).await?;
         pairs(&headers, body, state).await.map(Form)
     }
 }
@@ -244,8 +247,8 @@ async fn read(body: Body, most: usize) -> Result<Bytes, Problem> {
 }
 
 pub(super) fn too_large(most: usize) -> Problem {
-    Problem::too_large(if most == BODY_BYTES {
-        format!("the body is larger than {BODY_BYTES} bytes: a command needs only a few dozen")
+    Problem::too_large(if most < HALL_BYTES {
+        format!("the body is larger than {most} bytes: a command needs only a few dozen")
     } else {
         format!("the hall is larger than {HALL_BYTES} bytes: make it smaller, or start hallsweep with --hall FILE")
     })
@@ -295,8 +298,11 @@ pub(super) fn needed<'a>(name: &str, value: Option<&'a str>) -> Result<&'a str, 
 
 #[cfg(test)]
 mod tests {
+    use super::super::testing::app;
     use super::*;
+    use crate::api::tests::fixture::searching;
     use futures_util::stream;
+    use hallsweep_core::world::areas::Area;
 
     /// Returns the result of reading a body of `pieces` pieces with `bytes` bytes each. There is a pause of `after`
     /// before each piece.
@@ -318,5 +324,17 @@ mod tests {
         assert_eq!(comes(16, 1024, ms(900)).await, Err(408));
         assert_eq!(comes(1, 100, Duration::MAX).await, Err(408));
         assert_eq!(comes(17, 1024, ms(1)).await, Err(413));
+    }
+
+    #[tokio::test]
+    async fn the_form_with_the_longest_names_of_all_areas_fits_and_not_much_more() {
+        let app = app(searching());
+        let letter = |code: usize| char::from_u32(0x2_0000 + u32::try_from(code).unwrap()).unwrap();
+        let names = (0..Area::MOST).map(|n| letter(n).to_string().repeat(Area::NAME)).collect::<Vec<_>>();
+        let coded: String = names.join("\r\n").bytes().map(|byte| format!("%{byte:02X}")).collect();
+        let form = format!("epoch=1&later={}&areas={coded}", &coded[..Area::NAME * 12]);
+        assert_eq!(app.form("/console/orderAreas", &form).await.status(), 303, "{} bytes", form.len());
+        let larger = format!("{form}&note={}", "x".repeat(2048));
+        assert_eq!(app.form("/console/orderAreas", &larger).await.status(), 413, "{} bytes", larger.len());
     }
 }
