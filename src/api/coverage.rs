@@ -1,4 +1,4 @@
-//! How far the hall and its areas have been searched, in JSON and as a line, and the views of every cell as CSV. The core
+//! How far the hall and its areas have been searched, in JSON and as text, and the views of every cell as CSV. The core
 //! counts the cells.
 
 use std::fmt::Write as _;
@@ -7,7 +7,7 @@ use schemars::JsonSchema;
 use serde::Serialize;
 
 use hallsweep_core::snapshot::Snapshot;
-use hallsweep_core::snapshot::searched::Searched;
+use hallsweep_core::snapshot::searched::{Searched, SearchedHall};
 use hallsweep_core::units::{Cell, Revision, WallTime};
 use hallsweep_core::world::areas::Area;
 
@@ -81,8 +81,14 @@ impl From<&Searched> for SearchedJson {
     }
 }
 
-/// The whole hall in one line, such as `driven 40, seen only 3, never seen 12, unreachable 0, detection 91 %`.
-pub fn line(searched: &Searched) -> String {
+/// The whole hall in the first line, and each area in a line such as `gate 1: driven 40, seen only 3, never seen 12,
+/// unreachable 0, detection 91 %`.
+pub fn lines(all: &SearchedHall) -> String {
+    let areas = all.areas.iter().map(|(area, searched)| format!("\n{}: {}", area.name, line(searched)));
+    line(&all.hall) + &areas.collect::<String>()
+}
+
+fn line(searched: &Searched) -> String {
     let Searched { driven, seen_only, never_seen, unreachable, detection } = searched;
     let detection = detection.map_or_else(|| "unknown".to_owned(), |share| format!("{:.0} %", (share * 100.0).floor()));
     format!("driven {driven}, seen only {seen_only}, never seen {never_seen}, unreachable {unreachable}, detection {detection}")

@@ -122,7 +122,7 @@ impl ResourceKind {
             ResourceKind::Of(Resource::Mission) => text::mission(&snapshot.mission),
             ResourceKind::Of(Resource::Robot) => old_items::robot(&snapshot.robot),
             ResourceKind::Of(Resource::Map) => map_text::lines(snapshot),
-            ResourceKind::Of(Resource::Coverage) => coverage::line(&snapshot.searched().hall),
+            ResourceKind::Of(Resource::Coverage) => coverage::lines(&snapshot.searched()),
             ResourceKind::Of(Resource::Temperature) => text::temperature(&snapshot.temperature),
             ResourceKind::Of(Resource::Retrieval) => text::retrieval(snapshot),
             ResourceKind::Of(Resource::Luggage | Resource::Alarms | Resource::Log)
