@@ -16,7 +16,7 @@ use tokio::sync::Semaphore;
 use self::asked::{AskedPage, AskedPallet, AskedRoomba};
 use self::said::{Event, Row};
 use super::HttpDoor;
-use super::console::{TreeRow, html, rows, sign};
+use super::console::{html, rows, sign};
 use super::language::PageReader;
 use super::peer::LetIn;
 use super::problem::Problem;
@@ -25,7 +25,6 @@ use crate::access::Caller;
 use crate::api::replay::ReplayJson;
 use crate::doors::connection_limits::{QuotaLimits, RequestQuota};
 use crate::phrases::Language;
-use behaviour_trees::Status;
 use hallsweep_core::snapshot::retrieval::{TreeView, TreesView};
 use hallsweep_laboratory::pallet::{Mishap, Pallet};
 use hallsweep_laboratory::roomba::Roomba;
@@ -158,14 +157,6 @@ impl Page {
 
     fn ticked(&self) -> Option<&TreesView> {
         Some(&self.carried.trees)
-    }
-
-    fn rows<'t>(&self, tree: &'t TreeView) -> Vec<TreeRow<'t>> {
-        rows(&tree.nodes)
-    }
-
-    fn sign(&self, status: &Status) -> &'static str {
-        sign(*status)
     }
 }
 

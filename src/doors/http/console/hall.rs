@@ -8,7 +8,7 @@ use super::drawing::{CELL, draw_luggage, larger, middle, shown, turn, write};
 use super::entrance::Entrance;
 use super::pieces;
 use crate::phrases::{Language, Phrase};
-use hallsweep_core::snapshot::Snapshot;
+use hallsweep_core::snapshot::{AreaView, Snapshot};
 use hallsweep_core::units::{Cell, Heading};
 use hallsweep_core::world::coverage::{Coverage, Sensor, Views};
 use hallsweep_core::world::hall_map::{Bounds, HallMap, Mark, TILE};
@@ -33,22 +33,15 @@ const RAY: i32 = 8;
 /// most of the data sent at every step.
 const FRONTIER: usize = 2000;
 
-/// Like `view_box`. It also includes the areas of the hall, as far as they are known before the search.
 pub(super) fn view_box_now(snapshot: &Snapshot) -> String {
-    let entrance = has_entrance(snapshot).then(|| Entrance::of(&snapshot.map));
-    let corners = snapshot.mission.areas.iter().flat_map(|view| view.area.corners.iter());
-    let wanted = corners.fold(shown(&snapshot.map), |bounds, corner| bounds.including(*corner));
-    framed(&snapshot.map, wanted, entrance)
+    view_box(&snapshot.map, has_entrance(snapshot).then(|| Entrance::of(&snapshot.map)), &snapshot.mission.areas)
 }
 
 /// Returns the `viewBox` of the picture, with a margin for the labels. It includes the area before the entrance if
-/// that area is drawn.
-pub(super) fn view_box(map: &HallMap, entrance: Option<Entrance>) -> String {
-    framed(map, shown(map), entrance)
-}
-
-fn framed(map: &HallMap, shown: Bounds, entrance: Option<Entrance>) -> String {
-    let margin = CELL * larger(map);
+/// that area is drawn, and the named areas, which are known before the search.
+pub(super) fn view_box(map: &HallMap, entrance: Option<Entrance>, areas: &[AreaView]) -> String {
+    let corners = areas.iter().flat_map(|view| view.area.corners.iter().copied());
+    let (shown, margin) = (corners.fold(shown(map), Bounds::including), CELL * larger(map));
     let higher = entrance.map_or(0, Entrance::height);
     let (left, top) = (shown.least.x * CELL - margin, shown.least.y * CELL - margin - higher);
     let width = shown.width() * CELL + margin;
@@ -65,6 +58,11 @@ pub(super) const fn tile_corner(cell: Cell) -> Cell {
 }
 
 /// Draws a tile as a group, with one path for each kind of mark in the tile.
+/// Draws all tiles of the map.
+pub(super) fn tiles(map: &HallMap) -> String {
+    map.tiles().map(|(corner, _)| tile(map, corner)).collect()
+}
+
 pub(super) fn tile(map: &HallMap, corner: Cell) -> String {
     let mut group = format!("<g id=\"{}\">", tile_id(corner));
     stroke(&mut group, "wall", &areas(map, corner, Mark::Wall));
@@ -375,10 +373,10 @@ mod tests {
     #[test]
     fn the_picture_holds_everything_known_and_keeps_still_meanwhile() {
         let mut map = HallMap::new(Cell::HOME, Revision(1));
-        let first = view_box(&map, None);
+        let first = view_box(&map, None, &[]);
         for cell in [Cell::new(3, 3), Cell::new(9, 6)] {
             map.mark(cell, Mark::Visited, Revision(2));
-            assert_eq!(view_box(&map, None), first);
+            assert_eq!(view_box(&map, None, &[]), first);
         }
         for cell in [Cell::new(40, 7), Cell::new(-9, -30), Cell::new(3, 90)] {
             map.mark(cell, Mark::Wall, Revision(3));

@@ -1,8 +1,6 @@
 //! The part `incident` of the page. It is shown while a piece in the hall is judged dangerous. It contains each
 //! bomb with photo and place, the evacuation distance, the next step, the alarm, and the buttons.
 
-use std::borrow::Cow;
-
 use askama::Template;
 
 use super::carriers::held_at;
@@ -12,7 +10,7 @@ use super::view::{View, failure};
 use crate::api::luggage::photo_url;
 use crate::phrases::Phrase;
 use hallsweep_core::phase::PhaseName;
-use hallsweep_core::units::{LuggageId, WallTime};
+use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::alarm::AlarmView;
 use hallsweep_core::world::luggage::Luggage;
 
@@ -69,25 +67,9 @@ impl Incident<'_> {
         is_first && !others && self.asks_to_acknowledge()
     }
 
-    fn photo(&self, bomb: &Luggage) -> Option<String> {
-        photo_url(bomb)
-    }
-
-    fn failure<'l>(&self, bomb: &'l Luggage) -> Cow<'l, str> {
-        failure(self.v.language, bomb)
-    }
-
-    fn place(&self, bomb: &Luggage) -> String {
-        self.v.place(bomb.cell)
-    }
-
     fn held(&self, bomb: &Luggage) -> Option<String> {
         let place = held_at(self.v.snapshot, bomb)?;
         Some(place.cell().map_or_else(|| self.v.say("before-entrance").to_string(), |cell| self.v.place(cell)))
-    }
-
-    fn seen_from_home(&self, bomb: &Luggage) -> String {
-        from_home(self.v.language, bomb.cell, self.v.hall.cell_m)
     }
 
     /// Returns the largest distance in metres that everybody must keep, and the largest one within which people outdoors
@@ -166,10 +148,6 @@ impl Incident<'_> {
             _ if mission.phase == PhaseName::BombLocated => Some("retrieve"),
             _ => (goes_on && self.v.bar_of_start().is_none()).then_some("start"),
         }
-    }
-
-    fn time(&self, wall: &WallTime) -> String {
-        self.v.zone().clock_time(*wall)
     }
 }
 

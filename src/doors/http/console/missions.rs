@@ -219,19 +219,10 @@ impl One {
         Language::ALL.map(report).into_iter().chain(lists).collect()
     }
 
-    fn at(&self, seq: &Seq) -> String {
-        format!("/missions/{}/moment?at={seq}", self.record.id)
-    }
-
-    fn view_box(&self, state: &PersistentState) -> String {
-        hall::view_box(&state.map, entrance(state))
-    }
-
     fn hall(&self, state: &PersistentState) -> String {
-        let map = &state.map;
-        let tiles: String = map.tiles().map(|(corner, _)| hall::tile(map, corner)).collect();
-        let found = hall::found(self.language, map, entrance(state), state.luggage.iter().map(|luggage| &**luggage));
-        format!("{tiles}{found}{}", hall::labels(map))
+        let pieces = state.luggage.iter().map(|luggage| &**luggage);
+        let found = hall::found(self.language, &state.map, entrance(state), pieces);
+        format!("{}{found}{}", hall::tiles(&state.map), hall::labels(&state.map))
     }
 
     fn coverage(&self, state: &PersistentState) -> String {
@@ -261,10 +252,6 @@ impl One {
             },
         };
         self.events.iter().map(event).collect()
-    }
-
-    fn is_later_page(&self) -> bool {
-        self.after > Seq(0)
     }
 
     /// Returns the views of the events. Each has a label, an address, and whether it is the view shown now.

@@ -51,7 +51,7 @@ use view::{HallInfo, View, Who, Why};
 
 pub(super) use began::Began;
 pub(super) use live::live;
-pub(super) use retrieval::{TreeRow, rows, sign};
+pub(super) use retrieval::{rows, sign};
 pub(super) use timeline::Timelines;
 
 pub(super) async fn refused_page(door: &HttpDoor, to: &PageReader, button: &str, problem: &Problem) -> Response {

@@ -37,33 +37,8 @@ impl<'a> ConsolePage<'a> {
         html(&Menu { v: self.v })
     }
 
-    fn view_box(&self) -> String {
-        hall::view_box_now(self.v.snapshot)
-    }
-
-    fn made(&self) -> String {
-        self.v.date(self.v.now)
-    }
-
-    fn tiles(&self) -> String {
-        let map = &self.v.snapshot.map;
-        map.tiles().map(|(corner, _)| hall::tile(map, corner)).collect()
-    }
-
-    fn pieces(&self) -> String {
-        pieces::all(self.v.language, self.v.snapshot)
-    }
-
-    fn pins(&self) -> String {
-        pieces::all_pins(self.v.language, self.v.snapshot)
-    }
-
     fn scale(&self) -> String {
         json(&self.v.line.filter(|line| !line.is_empty()).map(Timeline::scale))
-    }
-
-    fn then(&self) -> String {
-        json(&self.v.then)
     }
 
     fn times(&self) -> String {
@@ -76,10 +51,6 @@ impl<'a> ConsolePage<'a> {
 
     fn is_cut(&self) -> bool {
         self.v.line.is_some_and(Timeline::is_cut)
-    }
-
-    fn threshold(&self) -> f64 {
-        THRESHOLD_Y
     }
 
     fn cursor(&self) -> i64 {

@@ -1,8 +1,6 @@
 //! The parts of the page. The same template produces a part for the whole page and for the stream. Each part lists
 //! the resources that it shows, so a change updates only the affected parts.
 
-use std::borrow::Cow;
-
 use askama::Template;
 
 use super::areas;
@@ -11,15 +9,13 @@ use super::evacuation::{self, from_home};
 use super::hall;
 use super::incident::{Incident, is_of_incident};
 use super::photo::{Take, takes};
-use super::retrieval::{TreeRow, rows, sign, stage, stages};
+use super::retrieval::{rows, sign, stage, stages};
 use super::view::{View, danger_consequence, failure};
 use crate::api::luggage::photo_url;
 use crate::api::robot::ArmJson;
 use crate::api::robot_parts;
 use crate::api::time::rfc3339;
 use crate::phrases::{Language, Phrase};
-use behaviour_trees::Status;
-use hallsweep_core::arm::ArmState;
 use hallsweep_core::bomb_size::BombSize;
 use hallsweep_core::closing::OpenPoints;
 use hallsweep_core::command::{Hot, HotAnswer, Note, Strategy};
@@ -147,10 +143,6 @@ impl Confirm {
         }
     }
 
-    fn answers(&self) -> Option<String> {
-        self.language.hot(self.hot)
-    }
-
     pub(super) fn reset(language: Language) -> Confirm {
         Confirm {
             language,
@@ -232,18 +224,10 @@ impl Elsewhere<'_> {
 }
 
 impl Inspect<'_> {
-    fn photo(&self, luggage: &Luggage) -> Option<String> {
-        photo_url(luggage)
-    }
-
     fn earlier(&self, luggage: &Luggage) -> Option<Vec<Take>> {
         let mut takes = takes(luggage);
         takes.pop();
         (!takes.is_empty()).then_some(takes)
-    }
-
-    fn failure<'l>(&self, luggage: &'l Luggage) -> Cow<'l, str> {
-        failure(self.v.language, luggage)
     }
 
     fn where_and_when(&self, luggage: &Luggage) -> String {
@@ -256,29 +240,9 @@ impl Inspect<'_> {
             .with("time", self.v.date(luggage.taken))
             .to_string()
     }
-
-    fn no_photo(&self, luggage: &Luggage) -> String {
-        self.v.language.refused(&Refused::NoPhoto(luggage.id))
-    }
-
-    fn is_before_robot(&self, luggage: &Luggage) -> bool {
-        self.v.snapshot.mission.inspected == Some(luggage.id)
-    }
-
-    fn latest_take(&self, luggage: &Luggage) -> u32 {
-        luggage.take().unwrap_or_default()
-    }
-
-    fn is_viewed(&self, luggage: &Luggage) -> bool {
-        self.is_before_robot(luggage) && self.v.snapshot.mission.is_viewing
-    }
 }
 
 impl Robot<'_> {
-    fn arm(&self, arm: &ArmState) -> ArmJson {
-        ArmJson::from(*arm)
-    }
-
     /// Whether the robot has an arm. The page shows the figures about a grip only for an arm, because a hook has no
     /// such figures.
     fn has_arm(&self, robot: &RobotShown) -> bool {
@@ -334,14 +298,6 @@ impl Robot<'_> {
 }
 
 impl More<'_> {
-    const fn strategies(&self) -> [Strategy; Strategy::ALL.len()] {
-        Strategy::ALL
-    }
-
-    const fn strategy(&self, strategy: &Strategy) -> Phrase<'static> {
-        self.v.say_of("strategy", strategy.name())
-    }
-
     /// Returns the areas with their numbers in the hall file. The areas in a person's order come first, then the others,
     /// the most probable first.
     fn areas(&self) -> Vec<(usize, &AreaView)> {
@@ -382,10 +338,6 @@ impl Gallery<'_> {
     fn more(&self) -> usize {
         self.v.snapshot.luggage.len().saturating_sub(PIECES)
     }
-
-    fn time(&self, wall: &WallTime) -> String {
-        self.v.zone().clock_time(*wall)
-    }
 }
 
 impl Alarms<'_> {
@@ -405,10 +357,6 @@ impl Retrieval<'_> {
     fn stages(&self, fetcher: &Fetcher) -> Vec<(&'static str, Phrase<'static>)> {
         stages(*fetcher).iter().map(|name| (*name, stage(self.v.language, *fetcher, name))).collect()
     }
-
-    const fn fetcher(&self, fetcher: &Fetcher) -> Phrase<'static> {
-        self.v.say_of("fetcher", fetcher.name())
-    }
 }
 
 impl Trees<'_> {
@@ -418,14 +366,6 @@ impl Trees<'_> {
 
     fn trees(&self) -> &[TreeView] {
         self.v.snapshot.retrieval.as_deref().map_or(&[], |retrieval| &retrieval.trees.trees)
-    }
-
-    fn rows<'t>(&self, tree: &'t TreeView) -> Vec<TreeRow<'t>> {
-        rows(&tree.nodes)
-    }
-
-    fn sign(&self, status: &Status) -> &'static str {
-        sign(*status)
     }
 }
 

@@ -1,8 +1,6 @@
 //! The page of one photo, which is as large as the window allows. The page also has the STOP button, and the other
 //! photos of the same piece. A browser that opens the address of a photo directly is redirected to this page.
 
-use std::borrow::Cow;
-
 use askama::Template;
 use axum::extract::State;
 use axum::response::Html;
@@ -71,10 +69,6 @@ impl PhotoPage<'_> {
         [at(place.checked_sub(1), "photo-before"), at(place.checked_add(1), "photo-after")].into_iter().flatten().collect()
     }
 
-    fn url(&self, take: &u32) -> String {
-        take_url(self.luggage.id, *take)
-    }
-
     fn alt(&self, take: &u32) -> Phrase<'static> {
         let newest = self.luggage.take().unwrap_or(*take);
         let said = match (newest, *take) {
@@ -83,14 +77,6 @@ impl PhotoPage<'_> {
             _ => self.language.say("photo-of-earlier"),
         };
         said.with("id", self.luggage.id).with("take", take).with("newest", newest)
-    }
-
-    fn takes(&self) -> Vec<Take> {
-        takes(self.luggage)
-    }
-
-    fn is_shown(&self, take: &Take) -> bool {
-        self.take == Some(take.take)
     }
 
     fn found(&self) -> Phrase<'static> {
@@ -107,10 +93,6 @@ impl PhotoPage<'_> {
 
     fn time(&self, wall: WallTime) -> String {
         self.language.date(&self.zone.date_and_time(wall))
-    }
-
-    fn failure(&self) -> Cow<'_, str> {
-        failure(self.language, self.luggage)
     }
 }
 

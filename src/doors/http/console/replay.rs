@@ -12,10 +12,9 @@ use super::super::problem::Problem;
 use super::super::query::Query;
 use super::super::reading::Number;
 use super::html;
-use super::retrieval::{TreeRow, rows, sign};
+use super::retrieval::{rows, sign};
 use crate::api::retrieval_record::RetrievalRecordJson;
 use crate::phrases::{Language, Phrase};
-use behaviour_trees::Status;
 use hallsweep_core::snapshot::retrieval::{TreeView, TreesView};
 
 pub(in crate::doors::http) async fn page(
@@ -59,14 +58,6 @@ impl ReplayPage {
 
     fn ticked(&self) -> Option<&TreesView> {
         Some(&self.shown)
-    }
-
-    fn rows<'t>(&self, tree: &'t TreeView) -> Vec<TreeRow<'t>> {
-        rows(&tree.nodes)
-    }
-
-    fn sign(&self, status: &Status) -> &'static str {
-        sign(*status)
     }
 
     /// Returns the links to other moments, with their labels. A link that would lead to the shown moment has no
