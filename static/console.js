@@ -117,29 +117,6 @@ function join() {
 }
 
 document.addEventListener("visibilitychange", () => (document.hidden ? stream?.close() : join()));
-/** Minimum time between two requests for the coverage, which is large. */
-const COVER_MS = 1000;
-const covered = at("covered");
-let coverNext = 0;
-let coverTimer;
-
-/** Shows how well each cell was searched, as long as its button is pressed. The past has no such picture. */
-async function drawCoverage(isPast = false) {
-  clearTimeout(coverTimer);
-  if (isPast || covered.getAttribute("aria-pressed") !== "true") return at("hall-coverage").replaceChildren();
-  const left = coverNext - performance.now();
-  if (left > 0) return (coverTimer = setTimeout(drawCoverage, left));
-  coverNext = performance.now() + COVER_MS;
-  const answer = await fetch("./console/coverage").catch(() => null);
-  if (answer?.ok && covered.getAttribute("aria-pressed") === "true") draw("hall-coverage", await answer.text());
-}
-
-covered.addEventListener("click", () => {
-  covered.setAttribute("aria-pressed", covered.getAttribute("aria-pressed") !== "true");
-  coverNext = 0;
-  drawCoverage();
-});
-
 addEventListener("pageshow", (event) => event.persisted && join());
 addEventListener("focus", () => openedSince >= STREAMS && join());
 
@@ -161,8 +138,8 @@ function show(message) {
   at("desk").classList.toggle("fetching", isFetching);
   if (!isFetching && at("tab-trees").checked) at("tab-status").checked = true;
   hall.bounds(message.view);
-  drawCoverage(Boolean(message.then));
   time.shown(message);
+  drawCoverage();
   if (!message.then) {
     if (document.title !== message.title) document.title = message.title;
     at("revision").textContent = message.revision;
@@ -232,6 +209,32 @@ function isPersons(node) {
 
 document.addEventListener("change", (event) => {
   if (event.target.tagName === "SELECT") event.target.dataset.touched = "yes";
+});
+
+// ---- how well each cell was searched --------------------------------------------------------------------------------------
+
+const COVER_MS = 1000; // the coverage is large: it is asked for this often at most
+const covered = at("covered");
+let coverNext = 0;
+let coverTimer;
+
+/** Whether the layer is shown. The past has no such picture. */
+const isCovered = () => covered.getAttribute("aria-pressed") === "true" && !root.dataset.past;
+
+async function drawCoverage() {
+  clearTimeout(coverTimer);
+  if (!isCovered()) return at("hall-coverage").replaceChildren();
+  const left = coverNext - performance.now();
+  if (left > 0) return (coverTimer = setTimeout(drawCoverage, left));
+  coverNext = performance.now() + COVER_MS;
+  const answer = await fetch("./console/coverage").catch(() => null);
+  if (answer?.ok && isCovered()) draw("hall-coverage", await answer.text());
+}
+
+covered.addEventListener("click", () => {
+  covered.setAttribute("aria-pressed", covered.getAttribute("aria-pressed") !== "true");
+  coverNext = 0;
+  drawCoverage();
 });
 
 // ---- acting --------------------------------------------------------------------------------------------------------------

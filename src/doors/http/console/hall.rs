@@ -19,8 +19,9 @@ const TRAIL: usize = 48;
 
 const FADES: usize = 4;
 
-/// Number of levels in which the coverage is drawn.
-pub(super) const LEVELS: usize = 4;
+/// The levels in which the coverage is drawn: the name that the phrases have for each, and the dots of its cells, for
+/// people who cannot distinguish the colours.
+const LEVELS: [(&str, &str); 4] = [("0", ""), ("1", "M5 5h0"), ("2", "M3 7h0M7 3h0"), ("3", "M3 7h0M5 5h0M7 3h0")];
 
 /// Maximum number of labels at one edge. If there is no room for a label at each cell, only every fifth, tenth, …
 /// cell has one.
@@ -57,12 +58,12 @@ pub(super) const fn tile_corner(cell: Cell) -> Cell {
     Cell::new(cell.x.div_euclid(TILE) * TILE, cell.y.div_euclid(TILE) * TILE)
 }
 
-/// Draws a tile as a group, with one path for each kind of mark in the tile.
 /// Draws all tiles of the map.
 pub(super) fn tiles(map: &HallMap) -> String {
     map.tiles().map(|(corner, _)| tile(map, corner)).collect()
 }
 
+/// Draws a tile as a group, with one path for each kind of mark in the tile.
 pub(super) fn tile(map: &HallMap, corner: Cell) -> String {
     let mut group = format!("<g id=\"{}\">", tile_id(corner));
     stroke(&mut group, "wall", &areas(map, corner, Mark::Wall));
@@ -216,16 +217,23 @@ fn draw_robot((x, y): (i32, i32), turn: i32, size: i32, led_blinking: bool, clas
 /// Draws how well each cell was searched, over the floor: four levels of the probability of detection, or of the number of
 /// views if the sensor is not calibrated.
 pub(super) fn coverage(coverage: &Coverage, sensor: Sensor) -> String {
-    let mut cells: Vec<(Cell, usize)> = coverage.iter().map(|(cell, views)| (cell, level(sensor, views))).collect();
-    cells.sort_unstable_by_key(|(cell, _)| (cell.y, cell.x));
-    let mut paths: [String; LEVELS] = Default::default();
-    for run in cells.chunk_by(|(a, level), (b, next)| level == next && (a.y, a.x + 1) == (b.y, b.x)) {
-        let ((Cell { x, y }, level), length) = (run[0], i32::try_from(run.len()).unwrap_or(i32::MAX) * CELL);
+    let cells: Vec<(usize, Cell)> = coverage.iter().map(|(cell, views)| (level(sensor, views), cell)).collect();
+    let mut paths: [String; LEVELS.len()] = Default::default();
+    // The cells of a tile come row by row.
+    for run in cells.chunk_by(|(level, cell), next| (*level, cell.ahead(Heading::East)) == *next) {
+        let ((level, Cell { x, y }), length) = (run[0], run.len() * CELL as usize);
         write(&mut paths[level], format_args!("M{} {}h{length}v{CELL}h-{length}z", x * CELL, y * CELL));
     }
     let mut group = String::from("<g id=\"hall-coverage\">");
-    for (level, path) in paths.iter().enumerate() {
-        stroke(&mut group, &format!("looked looked-{level}"), path);
+    for ((level, dots), path) in LEVELS.iter().zip(&paths) {
+        write(
+            &mut group,
+            format_args!(
+                "<pattern id=\"dotted-{level}\" width=\"{CELL}\" height=\"{CELL}\" patternUnits=\"userSpaceOnUse\">\
+                 <path class=\"looked-{level}\" d=\"M0 0h{CELL}v{CELL}h-{CELL}z\"/><path class=\"dots\" d=\"{dots}\"/></pattern>\
+                 <path fill=\"url(#dotted-{level})\" d=\"{path}\"/>"
+            ),
+        );
     }
     group.push_str("</g>");
     group
@@ -234,14 +242,14 @@ pub(super) fn coverage(coverage: &Coverage, sensor: Sensor) -> String {
 fn level(sensor: Sensor, views: Views) -> usize {
     match sensor.detection(views) {
         Some(share) => [0.5, 0.8, 0.95].into_iter().filter(|least| share >= *least).count(),
-        None => (views.count() as usize).clamp(1, LEVELS) - 1,
+        None => (views.count() as usize).clamp(1, LEVELS.len()) - 1,
     }
 }
 
-/// Returns what a level of `coverage` means.
-pub(super) fn looked(language: Language, sensor: Sensor, level: usize) -> Phrase<'static> {
-    const LEVEL: [&str; LEVELS] = ["0", "1", "2", "3"];
-    language.say_of(if sensor.model.is_some() { "coverage-pod" } else { "coverage-views" }, LEVEL[level])
+/// Returns what the levels of `coverage` mean, and their dots.
+pub(super) fn levels(language: Language, sensor: Sensor) -> [(Phrase<'static>, &'static str); LEVELS.len()] {
+    let family = if sensor.model.is_some() { "coverage-pod" } else { "coverage-views" };
+    LEVELS.map(|(level, dots)| (language.say_of(family, level), dots))
 }
 
 fn areas(map: &HallMap, corner: Cell, wanted: Mark) -> String {

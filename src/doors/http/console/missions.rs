@@ -226,12 +226,8 @@ impl One {
     }
 
     fn coverage(&self, state: &PersistentState) -> String {
-        let tiles: String = state.map.tiles().map(|(corner, _)| hall::tile(&state.map, corner)).collect();
-        format!("{tiles}{}{}", hall::coverage(&state.coverage, state.venue().sensor), hall::labels(&state.map))
-    }
-
-    fn levels(&self, state: &PersistentState) -> [Phrase<'static>; hall::LEVELS] {
-        std::array::from_fn(|level| hall::looked(self.language, state.venue().sensor, level))
+        let looked = hall::coverage(&state.coverage, state.venue().sensor);
+        format!("{}{looked}{}", hall::tiles(&state.map), hall::labels(&state.map))
     }
 
     fn pieces<'s>(&self, state: &'s PersistentState) -> Vec<(&'s Luggage, Option<String>)> {

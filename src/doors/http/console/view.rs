@@ -225,11 +225,6 @@ impl View<'_> {
         self.snapshot.retrieval.is_some()
     }
 
-    /// Returns what a level of the drawn coverage means.
-    pub(super) fn looked(&self, level: &usize) -> Phrase<'static> {
-        super::hall::looked(self.language, self.snapshot.venue.sensor, *level)
-    }
-
     pub(super) fn has_carriers(&self) -> bool {
         self.snapshot.robots.len() > 1
     }
