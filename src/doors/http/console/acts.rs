@@ -143,8 +143,7 @@ impl Fields {
             ("safe" | "danger" | "unsure" | "retake", Some(_)) => "verdict".to_owned(),
             ("acknowledge", Some(id)) => format!("alarm-{id}"),
             ("move" | "goto", _) => "drive".to_owned(),
-            ("orderAreas", _) => "areas".to_owned(),
-            ("searchAgain", _) if self.area.is_some() => "areas".to_owned(),
+            _ if self.area.is_some() || self.areas.is_some() => "areas".to_owned(),
             // The place beside STOP is reserved for messages of the script, so a refusal is shown at the top of the
             // page.
             ("stop", _) => "page".to_owned(),

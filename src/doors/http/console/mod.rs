@@ -46,7 +46,7 @@ use acts::{Fields, NamedArea, TypedRemarks};
 use areas::CloseArea;
 use hallsweep_core::command::{Accepted, Hot};
 use hallsweep_core::units::LuggageId;
-use page::ConsolePage;
+use page::{ConsolePage, DRIVE};
 use view::{HallInfo, View, Who, Why};
 
 pub(super) use began::Began;
@@ -61,8 +61,10 @@ pub(super) async fn refused_page(door: &HttpDoor, to: &PageReader, button: &str,
     response
 }
 
-pub(super) async fn page(State(door): State<HttpDoor>, to: PageReader) -> Html<String> {
-    whole(&door, &to, None).await
+/// `GET /`. With `?tab=drive` the tab *Drive* is open at first.
+pub(super) async fn page(State(door): State<HttpDoor>, to: PageReader, query: super::query::Query) -> Html<String> {
+    let opened = query.every("tab").first().map(|tab| Why::new(tab, ""));
+    whole(&door, &to, opened).await
 }
 
 /// `GET console/bar`: the status bar with the state of the hall, for all pages except the console. The console gets
@@ -122,6 +124,7 @@ async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields
             let to = PageReader::new(sender.caller.clone(), headers);
             let (door, why, [name, receiver, note]) = (&sender.door, problem.in_words(to.language), fields.typed());
             let statement = match act {
+        Ok(_) if DRIVE.contains(&&*fields.button(act)) => Redirect::to("/?tab=drive#more").into_response(),
                 "close" => Some(close_page(door, to.language, why, [name, note])),
                 "closeArea" => {
                     Some(html(&CloseArea::new(to.language, &door.handle.snapshot(), fields.area(), why, [name, note])))
@@ -390,13 +393,18 @@ mod tests {
         ];
         for (path, body, command) in cases {
             let response = app.form(path, body).await;
-            assert_eq!((response.status().as_u16(), &*leads(&response, path)), (303, "/"), "{path}");
+            let to = if command == Command::Start { "/" } else { "/?tab=drive#more" };
+            assert_eq!((response.status().as_u16(), &*leads(&response, path)), (303, to), "{path}");
             assert_eq!((app.last().command, app.last().epoch), (command, Some(Epoch(7))));
         }
     }
 
     #[tokio::test]
     async fn a_refused_form_shows_the_page_with_the_reason_beside_its_button() {
+        for (path, tab) in [("/", "status"), ("/?tab=drive", "drive"), ("/?tab=%22", "status")] {
+            let page = app.page(path).await;
+            assert!(page.contains(&format!("id=\"tab-{tab}\" autocomplete=\"off\" checked")), "{path}: {page}");
+        }
         let app = app(searching());
         app.refuse(Refused::Moving);
         let response = app.form("/console/reset", "").await;

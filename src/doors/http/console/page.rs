@@ -10,6 +10,9 @@ use super::{hall, pieces};
 use crate::phrases::{Language, Phrase};
 use hallsweep_core::bomb_size::BombSize;
 
+/// The places of the tab *Drive* where refusals are shown.
+pub(super) const DRIVE: [&str; 4] = ["strategy", "drive", "areas", "searchAgain"];
+
 #[derive(Template)]
 #[template(path = "console/page.html")]
 pub(super) struct ConsolePage<'a> {
@@ -27,9 +30,9 @@ impl<'a> ConsolePage<'a> {
         (part.render)(self.v)
     }
 
-    /// Returns the tab that is open at first. Without scripts it is the one with the button that was refused.
+    /// Returns the tab that is open at first. Without scripts it is the one with the button that was pressed.
     fn tab(&self) -> &'static str {
-        let is_of_drive = |why: &Why| ["strategy", "drive", "areas"].contains(&&*why.button);
+        let is_of_drive = |why: &Why| DRIVE.contains(&&*why.button);
         if self.v.why.as_ref().is_some_and(is_of_drive) { "drive" } else { "status" }
     }
 
