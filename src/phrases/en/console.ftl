@@ -325,7 +325,6 @@ reset-button = RESET…
 areas = Areas
 areas-what = The search takes the areas in this order. Areas without a number come after the others, in an order that the search chooses.
 areas-automatic = Leave the order to the search
-area-probability = { $percent } %
 area-open = open
 area-closed = closed
 area-closed-by = closed by { $name } at { $time }

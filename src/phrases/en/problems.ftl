@@ -20,6 +20,7 @@ problem-refused = { $detail }
 ## What never reaches it.
 
 problem-malformed = { $detail }
+problem-moreOpen = { $detail }
 problem-unusable = { $detail }
 problem-tooLarge = { $detail }
 problem-tooSlow = { $detail }

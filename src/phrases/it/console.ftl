@@ -328,7 +328,6 @@ reset-button = ARCHIVIA…
 areas = Aree
 areas-what = La ricerca prende le aree in quest’ordine. Le aree senza numero vengono dopo le altre, in un ordine scelto dalla ricerca.
 areas-automatic = Lasciare l’ordine alla ricerca
-area-probability = { $percent } %
 area-open = aperta
 area-closed = chiusa
 area-closed-by = chiusa da { $name } alle { $time }

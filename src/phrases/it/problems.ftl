@@ -20,6 +20,7 @@ problem-refused = è stato rifiutato: «{ $detail }»
 ## Che cosa non gli arriva.
 
 problem-malformed = la richiesta non si può leggere: «{ $detail }»
+problem-moreOpen = in quest'area resta aperto più di quanto mostrava la pagina: rileggere i dati, poi chiudere l'area
 problem-unusable = un valore inviato non va bene: «{ $detail }»
 problem-tooLarge = la richiesta è troppo grande: «{ $detail }»
 problem-tooSlow = la richiesta è arrivata troppo lentamente: riprovare

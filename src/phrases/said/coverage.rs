@@ -3,6 +3,9 @@
 use super::Language;
 use crate::phrases::Phrase;
 use hallsweep_core::snapshot::searched::{Searched, SearchedHall};
+use hallsweep_core::state::PersistentState;
+use hallsweep_core::units::WallTime;
+use hallsweep_core::world::areas::Area;
 
 const COLUMNS: [&str; 7] = ["area", "probability", "driven", "seen-only", "never-seen", "unreachable", "detection"];
 
@@ -11,19 +14,30 @@ impl Language {
         COLUMNS.map(|column| self.say_of("coverage", column))
     }
 
-    /// Returns the cells of each area and of the whole hall, in the order of the columns.
+    /// Returns the rows of each area and of the whole hall.
     pub fn coverage_rows(self, all: &SearchedHall) -> Vec<[String; 7]> {
-        let percent = |share: String| self.say("coverage-percent").with("share", share).to_string();
-        let row = |name: String, probability: Option<f64>, searched: &Searched| {
-            let unknown = || self.say("coverage-unknown").to_string();
-            let detection = searched.detection.map_or_else(unknown, |share| percent(self.percent(share)));
-            let [driven, seen_only, never_seen, unreachable] = searched.parts().map(|(_, cells)| cells.to_string());
-            let given = |share: f64| self.number(&format!("{}", (share * 1000.0).round() / 10.0));
-            let probability = probability.map_or_else(|| "–".to_owned(), |share| percent(given(share)));
-            [name, probability, driven, seen_only, never_seen, unreachable, detection]
-        };
-        let areas = all.areas.iter().map(|(area, searched)| row(area.name.to_string(), Some(area.probability), searched));
-        areas.chain([row(self.say("coverage-whole").to_string(), None, &all.hall)]).collect()
+        let row = |(area, searched): &(Area, Searched)| self.coverage_row(&area.name, Some(area.probability), searched);
+        let whole = self.coverage_row(&self.say("coverage-whole").to_string(), None, &all.hall);
+        all.areas.iter().map(row).chain([whole]).collect()
+    }
+
+    /// Returns the figures of a part of the hall, in the order of the columns.
+    pub fn coverage_row(self, name: &str, probability: Option<f64>, searched: &Searched) -> [String; 7] {
+        let percent = |share| self.say("coverage-percent").with("share", self.percent(share));
+        let detection = searched.detection.map_or_else(|| self.say("coverage-unknown"), percent).to_string();
+        let [driven, seen_only, never_seen, unreachable] = searched.parts().map(|(_, cells)| cells.to_string());
+        let probability = probability.map_or_else(|| "–".to_owned(), |share| self.probability(share).to_string());
+        [name.to_owned(), probability, driven, seen_only, never_seen, unreachable, detection]
+    }
+
+    /// Writes the probability of an area, with at most one decimal.
+    pub fn probability(self, share: f64) -> Phrase<'static> {
+        self.say("coverage-percent").with("share", self.number(&format!("{}", (share * 1000.0).round() / 10.0)))
+    }
+
+    /// Says by whom each closed area was closed, and what was open, with the time.
+    pub fn closed_areas(self, state: &PersistentState) -> Vec<(WallTime, String)> {
+        state.closed_areas.iter().map(|(area, closed)| (closed.wall, self.closed_area(area, closed))).collect()
     }
 
     /// Writes a probability in whole per cent. It is rounded down, so that nothing is said to be certain.

@@ -193,7 +193,7 @@ impl Language {
         self.statement(self.say("fact-closed"), closed, self.open_points(closed.open).join(", "))
     }
 
-    fn closed_area(self, area: &str, closed: &Closed<OpenInArea>) -> String {
+    pub(super) fn closed_area(self, area: &str, closed: &Closed<OpenInArea>) -> String {
         self.statement(self.say("fact-area-closed").with("area", area), closed, self.open_in_area(closed.open))
     }
 

@@ -45,12 +45,6 @@ pub(in crate::doors::http) struct Fields {
     later: Option<String>,
 }
 
-/// The area that the page of its closing is about (`?area=…`).
-#[derive(Debug, Deserialize)]
-pub(in crate::doors::http) struct NamedArea {
-    pub(super) area: String,
-}
-
 /// The remarks of the operator beside a verdict. They come from the query of the confirmation page (`?note=…`).
 #[derive(Debug, Default, Deserialize)]
 pub(in crate::doors::http) struct TypedRemarks {
@@ -131,10 +125,10 @@ impl Fields {
         Ok((command, epoch))
     }
 
-    /// Returns what was typed into the form of a statement about the mission: the person in charge, the person who takes
-    /// over, and the note.
-    pub(super) fn typed(&self) -> [String; 3] {
-        [&self.name, &self.to, &self.note].map(|typed| typed.clone().unwrap_or_default())
+    /// Returns what was sent with the form of a statement: the person in charge, the person who takes over, the note,
+    /// the area, and what was open when the page was made.
+    pub(super) fn stated(&self) -> [String; 5] {
+        [&self.name, &self.to, &self.note, &self.area, &self.open].map(|typed| typed.clone().unwrap_or_default())
     }
 
     /// Returns the name of the place where the page shows a refusal: beside the pressed button.
@@ -151,15 +145,10 @@ impl Fields {
         }
     }
 
-    pub(super) fn area(&self) -> &str {
-        self.area.as_deref().unwrap_or_default()
-    }
-
     /// Returns the order on the page, with one area one place earlier or later.
     fn area_order(&self) -> Result<Command, Problem> {
         let areas = self.areas.as_deref().ok_or_else(|| Problem::unusable("areas is missing".to_owned()))?;
-        let names = areas.lines();
-        let mut names: Vec<&str> = names.filter(|name| !name.is_empty()).collect();
+        let mut names: Vec<&str> = areas.lines().filter(|name| !name.is_empty()).collect();
         let place = |name: &Option<String>| names.iter().position(|known| Some(*known) == name.as_deref());
         let first = place(&self.earlier).and_then(|place| place.checked_sub(1));
         let first = first.or(place(&self.later)).filter(|first| first + 1 < names.len());

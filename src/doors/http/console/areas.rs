@@ -9,31 +9,54 @@ use super::view::View;
 use crate::phrases::Language;
 use hallsweep_core::closing::OpenInArea;
 use hallsweep_core::command::Note;
+use hallsweep_core::snapshot::searched::Searched;
 use hallsweep_core::snapshot::{AreaView, Snapshot};
 use hallsweep_core::units::{Bounds, Cell, MissionId};
+use hallsweep_core::world::areas::Area;
 
 #[derive(Template)]
 #[template(path = "console/closing_area.html")]
 pub(super) struct CloseArea {
-    pub(super) language: Language,
-    pub(super) mission: MissionId,
-    pub(super) area: String,
-    /// What is open in the area; `None` if it cannot be closed.
-    pub(super) open: Option<OpenInArea>,
+    language: Language,
+    mission: MissionId,
+    area: String,
+    /// What is open in the area, and how far it was searched; `None` if it cannot be closed.
+    found: Option<(OpenInArea, [String; 7])>,
     /// Why the area could not be closed; empty before.
-    pub(super) why: String,
-    pub(super) name: String,
-    pub(super) note: String,
+    why: String,
+    name: String,
+    note: String,
 }
 
 impl CloseArea {
-    pub(super) fn new(language: Language, snapshot: &Snapshot, area: &str, why: String, [name, note]: [String; 2]) -> CloseArea {
-        let mission = &snapshot.mission;
-        let found = mission.areas.iter().find(|view| *view.area.name == *area && view.closed.is_none());
-        let open = found.filter(|_| mission.is_under_way());
-        let open = open.map(|view| view.area.open(&snapshot.map, &mission.again, &snapshot.luggage));
-        CloseArea { language, mission: mission.id, area: area.to_owned(), open, why, name, note }
+    pub(super) fn new(
+        language: Language,
+        snapshot: &Snapshot,
+        area: String,
+        why: String,
+        [name, note]: [String; 2],
+    ) -> CloseArea {
+        let found = open_in(snapshot, &area).map(|(area, open)| {
+            let searched = Searched::of(area, &snapshot.map, &snapshot.coverage, snapshot.venue.sensor);
+            (open, language.coverage_row(&area.name, Some(area.probability), &searched))
+        });
+        CloseArea { language, mission: snapshot.mission.id, area, found, why, name, note }
     }
+}
+
+fn open_in<'s>(snapshot: &'s Snapshot, name: &str) -> Option<(&'s Area, OpenInArea)> {
+    let mission = &snapshot.mission;
+    let can_be_closed = |view: &&AreaView| *view.area.name == *name && view.closed.is_none() && mission.is_under_way();
+    let AreaView { area, .. } = mission.areas.iter().find(can_be_closed)?;
+    Some((area, area.open(&snapshot.map, &mission.again, &snapshot.luggage)))
+}
+
+/// Whether more is open in the area than the page has shown when it was made. Less is open all the time while the robot
+/// searches, and needs no second look.
+pub(super) fn has_more_open(snapshot: &Snapshot, area: &str, shown: &str) -> bool {
+    let shown = shown.split_once(',').and_then(|(cells, pending)| Some((cells.parse().ok()?, pending.parse().ok()?)));
+    let is_shown = |open: OpenInArea| shown.is_some_and(|(cells, pending)| open.cells <= cells && open.pending <= pending);
+    open_in(snapshot, area).is_some_and(|(_, open)| !is_shown(open))
 }
 
 /// Draws the outlines of the areas with their names. The line of a polygon goes through the middles of its corners.
@@ -70,13 +93,12 @@ pub(super) fn outlines(v: &View<'_>) -> String {
 mod tests {
     use std::sync::Arc;
 
-    use super::super::super::testing::{app, text};
+    use super::super::super::testing::{app, leads, text};
     use super::*;
     use crate::api::tests::fixture::{TEN, searching};
     use hallsweep_core::closing::{AreaClosing, Closed};
     use hallsweep_core::command::{Again, Command};
     use hallsweep_core::refused::Refused;
-    use hallsweep_core::world::areas::Area;
 
     /// Two rectangles and a triangle. A person wants the second area first, and has closed the third.
     fn with_areas() -> Snapshot {
@@ -206,8 +228,19 @@ mod tests {
         let said = format!("<b>cells not searched: {}, pieces without a verdict: {}</b>", open.cells, open.pending);
         assert!(page.contains(&said) && page.contains("name=\"area\" value=\"hall\""), "{said} {page}");
         assert!(app.given.lock().unwrap().is_empty(), "looking changes nothing");
-        let typed = "mission=1&area=hall&name=Anna+%3Cb%3E&note=with%0Adogs";
-        assert_eq!(app.form("/console/closeArea", typed).await.status(), 303);
+        let seen = format!("{},{}", open.cells, open.pending);
+        assert!(page.contains(&format!("name=\"open\" value=\"{seen}\"")), "{page}");
+        assert!(page.contains("<dt>Driven</dt><dd>") && page.contains("<dt>Probability of the area</dt><dd>10 %</dd>"), "{page}");
+        for fewer in ["0,0", "123,0", "124", ""] {
+            let asked = app.form("/console/closeArea", &format!("mission=1&area=gate+2&open={fewer}&name=Anna+%3Cb%3E")).await;
+            assert_eq!(asked.status(), 409, "{fewer}");
+            let page = text(asked).await;
+            assert!(page.contains("role=\"alert\">more is open") && page.contains("value=\"Anna &#60;b&#62;\""), "{page}");
+            assert!(page.contains("<b>cells not searched: 124") && app.given.lock().unwrap().is_empty(), "{fewer}: {page}");
+        }
+        let typed = &format!("mission=1&area=hall&open={seen}&name=Anna+%3Cb%3E&note=with%0Adogs");
+        let closed = app.form("/console/closeArea", typed).await;
+        assert_eq!((closed.status().as_u16(), &*leads(&closed, "/console/closeArea")), (303, "/?tab=drive#more"));
         let (name, note) = (Note::new("Anna <b>").unwrap(), Note::new("with dogs"));
         let closing = AreaClosing { area: "hall".into(), name, note, mission: Some(MissionId(1)) };
         assert_eq!(app.last().command, Command::CloseArea(closing));

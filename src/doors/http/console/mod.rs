@@ -39,12 +39,13 @@ use super::reading::{Form, Number};
 use crate::access::{Access, Caller};
 use crate::api::answer::AnswerJson;
 use crate::api::door;
+use crate::api::problem::ProblemKind;
 use crate::phrases::Language;
 use crate::runtime::carry_out::Done;
 pub(super) use acts::buttons;
-use acts::{Fields, NamedArea, TypedRemarks};
-use areas::CloseArea;
-use hallsweep_core::command::{Accepted, Hot};
+use acts::{Fields, TypedRemarks};
+use areas::{CloseArea, has_more_open};
+use hallsweep_core::command::{Accepted, Command, Hot};
 use hallsweep_core::units::LuggageId;
 use page::{ConsolePage, DRIVE};
 use view::{HallInfo, View, Who, Why};
@@ -103,7 +104,12 @@ pub(super) async fn stop(sender: CommandSender, headers: HeaderMap) -> Response 
 }
 
 async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields: &Fields) -> Response {
+    let [name, receiver, note, area, open] = fields.stated();
     let done = match fields.command(act) {
+        Ok((Command::CloseArea(_), _)) if has_more_open(&sender.door.handle.snapshot(), &area, &open) => {
+            let detail = "more is open in this area than the page has shown: read the figures again, then close the area";
+            Err(Problem::new(("moreOpen", ProblemKind::Conflict), detail.to_owned()))
+        }
         Ok((command, epoch)) => sender.give(door::CONSOLE, command, epoch).await,
         Err(problem) => Err(problem),
     };
@@ -118,17 +124,15 @@ async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields
         Ok(Done { snapshot, .. }) if act == "handOver" => {
             Redirect::to(&format!("/missions/{}/receipts", snapshot.mission.id)).into_response()
         }
+        Ok(_) if DRIVE.contains(&&*fields.button(act)) => Redirect::to("/?tab=drive#more").into_response(),
         Ok(_) => Redirect::to("/").into_response(),
         Err(problem) if by_script => problem.told(spoken(headers)),
         Err(problem) => {
             let to = PageReader::new(sender.caller.clone(), headers);
-            let (door, why, [name, receiver, note]) = (&sender.door, problem.in_words(to.language), fields.typed());
+            let (door, why) = (&sender.door, problem.in_words(to.language));
             let statement = match act {
-        Ok(_) if DRIVE.contains(&&*fields.button(act)) => Redirect::to("/?tab=drive#more").into_response(),
                 "close" => Some(close_page(door, to.language, why, [name, note])),
-                "closeArea" => {
-                    Some(html(&CloseArea::new(to.language, &door.handle.snapshot(), fields.area(), why, [name, note])))
-                }
+                "closeArea" => Some(html(&CloseArea::new(to.language, &door.handle.snapshot(), area, why, [name, note]))),
                 "handOver" => Some(hand_over_page(door, to.language, why, [receiver, note])),
                 _ => None,
             };
@@ -187,10 +191,10 @@ fn close_page(door: &HttpDoor, language: Language, why: String, [name, note]: [S
 pub(super) async fn confirm_close_area(
     State(door): State<HttpDoor>,
     Spoken(language): Spoken,
-    named: Result<Query<NamedArea>, QueryRejection>,
+    named: Result<Query<Fields>, QueryRejection>,
 ) -> Html<String> {
-    let area = named.map_or_else(|_| String::new(), |Query(named)| named.area);
-    html(&CloseArea::new(language, &door.handle.snapshot(), &area, String::new(), Default::default()))
+    let [.., area, _] = named.map_or_else(|_| Fields::default(), |Query(fields)| fields).stated();
+    html(&CloseArea::new(language, &door.handle.snapshot(), area, String::new(), Default::default()))
 }
 
 /// `GET console/confirm/handOver`: asks to whom the mission is handed over.
@@ -397,14 +401,14 @@ mod tests {
             assert_eq!((response.status().as_u16(), &*leads(&response, path)), (303, to), "{path}");
             assert_eq!((app.last().command, app.last().epoch), (command, Some(Epoch(7))));
         }
-    }
-
-    #[tokio::test]
-    async fn a_refused_form_shows_the_page_with_the_reason_beside_its_button() {
         for (path, tab) in [("/", "status"), ("/?tab=drive", "drive"), ("/?tab=%22", "status")] {
             let page = app.page(path).await;
             assert!(page.contains(&format!("id=\"tab-{tab}\" autocomplete=\"off\" checked")), "{path}: {page}");
         }
+    }
+
+    #[tokio::test]
+    async fn a_refused_form_shows_the_page_with_the_reason_beside_its_button() {
         let app = app(searching());
         app.refuse(Refused::Moving);
         let response = app.form("/console/reset", "").await;

@@ -308,25 +308,6 @@ impl More<'_> {
         });
         areas
     }
-
-    /// Returns the names in this order, one a line.
-    fn area_names(&self) -> String {
-        self.areas().iter().map(|(_, view)| &*view.area.name).collect::<Vec<_>>().join("\n")
-    }
-
-    fn is_ordered(&self) -> bool {
-        self.v.snapshot.mission.areas.iter().any(|view| view.order.is_some())
-    }
-
-    fn percent(&self, view: &AreaView) -> String {
-        self.v.language.number(&format!("{}", (view.area.probability * 1000.0).round() / 10.0))
-    }
-
-    fn area_state(&self, view: &AreaView) -> String {
-        let Some(closed) = &view.closed else { return self.v.say("area-open").to_string() };
-        let time = self.v.zone().clock_time(closed.wall);
-        self.v.say("area-closed-by").with("name", &closed.name).with("time", time).to_string()
-    }
 }
 
 impl Gallery<'_> {
@@ -338,6 +319,10 @@ impl Gallery<'_> {
     fn more(&self) -> usize {
         self.v.snapshot.luggage.len().saturating_sub(PIECES)
     }
+
+    fn time(&self, wall: &WallTime) -> String {
+        self.v.zone().clock_time(*wall)
+    }
 }
 
 impl Alarms<'_> {
@@ -346,10 +331,6 @@ impl Alarms<'_> {
     fn unseen(&self) -> Vec<&AlarmView> {
         let unseen = |alarm: &&AlarmView| alarm.acknowledged.is_none() && !is_of_incident(self.v, alarm);
         self.v.snapshot.alarms.iter().rev().filter(unseen).collect()
-    }
-
-    fn time(&self, wall: &WallTime) -> String {
-        self.v.zone().clock_time(*wall)
     }
 }
 
