@@ -39,7 +39,7 @@ pub(super) fn write(report: &Report<'_>, out: &mut dyn Write) -> Result<(), Fail
         None => part(out, &top)?,
     }
     if let Some(state) = state.filter(|_| report.claim.edition > 4) {
-        part(out, &Coverage { language: report.claim.language, all: &SearchedHall::from(state) })?;
+        part(out, &Coverage { language: report.claim.language, state, zone: report.zone() })?;
     }
     pieces(report, state, out)?;
     let threshold = state.and_then(|state| state.conditions.as_ref()).map(|conditions| conditions.threshold);
@@ -121,7 +121,8 @@ struct Exercise<'r> {
 #[template(path = "report/coverage.html")]
 struct Coverage<'r> {
     language: Language,
-    all: &'r SearchedHall,
+    state: &'r PersistentState,
+    zone: Zone,
 }
 
 /// Lines for the signatures of the operator and the receiver.
