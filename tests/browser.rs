@@ -329,7 +329,7 @@ fn a_person_orders_areas_and_closes_one_by_keys_by_dragging_and_without_scripts(
         format!("[[area]]\nname = \"{name}\"\nprobability = {probability}\ncorners = [{corners}]\n")
     };
     let areas: String = areas.into_iter().chain([polygon]).map(area).collect();
-    for scenario in ["areasByKeys", "areasOnPhone", "areasPlain"] {
+    for scenario in ["areasByKeys", "areasOnPhone", "areasPlain", "coverageLayer"] {
         let Data(folder) = &Data::new(scenario);
         std::fs::create_dir_all(folder).expect("a folder of ours");
         let hall = format!("{folder}/areas.toml");

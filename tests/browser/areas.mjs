@@ -1,5 +1,6 @@
 // The operator orders the areas of a hall, closes one, and has it searched again: by keys, by dragging, and without
-// scripts. The hall has two areas, and a third on whose name markup would stand out.
+// scripts. The hall has two areas, and a third on whose name markup would stand out. The map shows how well each cell
+// was searched.
 
 import { button, fits, must, phase, resize, start, tab, until } from './person.mjs';
 
@@ -95,17 +96,16 @@ export const areasPlain = {
     await page.goto(url);
     await drive(page);
     must(await isOrder(['gate 2', 'hall', NAME])(page), `the order: ${await rows(page)}`);
+    // The tab stays open after each press.
     await button(page, 'hall: earlier').click();
-    await drive(page);
     must(await isOrder(['hall', 'gate 2', NAME])(page), `the order: ${await rows(page)}`);
     await button(page, 'gate 2: later').click();
-    await drive(page);
     must(await isOrder(['hall', NAME, 'gate 2'])(page), `the order: ${await rows(page)}`);
     await start(page).click();
     await phase(page, /exploring|waits for your verdict/, waiting);
     await drive(page);
     await close(page, url, picture);
-    await drive(page);
+    must(/closed by Rossi at/.test(await page.locator('#areas').innerText()), 'the list does not say who has closed it');
     await picture('closed-without-scripts');
 
     // What cannot be done now is said beside the list.
@@ -117,5 +117,42 @@ export const areasPlain = {
       const { closed } = (await mission(page, url)).areas.find(({ name }) => name === 'gate 2');
       return closed === null || (await page.locator('#why-areas').innerText()) !== '';
     }, 'it is open again, or the page says why not', patience);
+  },
+};
+
+export const coverageLayer = {
+  async play({ page, url, picture, patience }) {
+    /** Number of cells that are drawn with a level. */
+    const looked = () => page.locator('#hall-coverage > path').evaluateAll((paths) => paths.reduce((sum, path) => {
+      const lengths = [...path.getAttribute('d').matchAll(/h(\d+)v/g)].map(([, length]) => Number(length) / 10);
+      return lengths.reduce((cells, length) => cells + length, sum);
+    }, 0));
+    const layer = button(page, 'Coverage');
+    const levels = page.locator('#legend .of-coverage:visible');
+    const isOff = async () => must(await layer.getAttribute('aria-pressed') === 'false' && await looked() === 0
+      && await levels.count() === 0, 'the layer is on');
+    await page.goto(url);
+    await page.locator('#legend summary').click();
+    await start(page).click();
+    await phase(page, /exploring/, { patience });
+    await isOff();
+
+    await layer.click();
+    await until(async () => await looked() > 0, 'cells with a level', patience);
+    must((await levels.allInnerTexts()).join() === 'looked at from one place,from two places,from three places,from four or more places',
+      `the legend: ${await levels.allInnerTexts()}`);
+    const before = await looked();
+    await until(async () => await looked() > before, 'more cells with a level after a drive', patience);
+    await picture('coverage');
+    await fits(page);
+
+    await page.locator('#stage').focus();
+    await page.keyboard.press('c');
+    await isOff();
+    await page.keyboard.press('c');
+    await until(async () => await looked() > before, 'the layer again', patience);
+    await page.reload();
+    await start(page).waitFor();
+    await isOff();
   },
 };
