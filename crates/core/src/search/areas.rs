@@ -15,7 +15,7 @@ pub struct AreaPlan {
     /// Probability and number of cells of the rest and of each area. The size of the rest is not known.
     pub(super) regions: Vec<(f64, f64)>,
     /// The cells of each area, with its number in `regions`.
-    rows: AreaRows,
+    pub(super) rows: AreaRows,
     pub(crate) bounds: Bounds,
     /// The areas that a person wants searched first.
     pub(super) order: Vec<usize>,
@@ -60,18 +60,13 @@ impl AreaPlan {
 
     #[must_use]
     pub fn is_closed(&self, cell: Cell) -> bool {
-        self.open >> self.region(cell) & 1 == 0
-    }
-
-    /// The number of a cell's region.
-    pub(super) fn region(&self, cell: Cell) -> usize {
-        self.rows.at(cell).unwrap_or(0)
+        self.open >> self.rows.at(cell) & 1 == 0
     }
 
     /// The probability that the bomb is in this cell of a hall.
     #[must_use]
     pub fn probability(&self, cell: Cell, hall: Bounds) -> f64 {
-        let (probability, cells) = self.regions[self.region(cell)];
+        let (probability, cells) = self.regions[self.rows.at(cell)];
         probability / if cells > 0.0 { cells } else { self.rest(hall).max(1.0) }
     }
 
@@ -125,7 +120,7 @@ mod tests {
             for cell in all {
                 let has = |area: &Area| area.cells().any(|of| of == cell);
                 let region = if has(&west) { 1 } else { 2 * usize::from(has(&east)) };
-                assert_eq!(plan.region(cell), region, "{cell} of {west:?} and {east:?}");
+                assert_eq!(plan.rows.at(cell), region, "{cell} of {west:?} and {east:?}");
             }
             let sizes = [&west, &east].map(|area| area.cells().count());
             assert_eq!([1, 2].map(|n| plan.regions[n].1 as usize), sizes);

@@ -79,7 +79,7 @@ impl<'a> View<'a> {
             cells += 1;
             let square = grid.here(spot);
             if square.is_open() {
-                let region = plan.region(grid.cell(spot));
+                let region = plan.rows.at(grid.cell(spot));
                 let share = if square == Square::Seen { plan.missed } else { 1.0 };
                 left[region].cells += share;
                 if share > 0.0 || plan.order.contains(&region) {

@@ -71,7 +71,7 @@ pub struct View<'a> {
 impl View<'_> {
     /// Whether a strategy may choose this cell.
     pub(super) fn wants(&self, spot: Spot) -> bool {
-        self.areas.is_none_or(|Focus { plan, wanted }| wanted >> plan.region(self.grid.cell(spot)) & 1 == 1)
+        self.areas.is_none_or(|Focus { plan, wanted }| wanted >> plan.rows.at(self.grid.cell(spot)) & 1 == 1)
     }
 }
 

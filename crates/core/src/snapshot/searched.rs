@@ -1,7 +1,7 @@
 //! How far a hall and its named areas have been searched: the figures of every door, of the report and of the metrics.
 //! They are counted when somebody asks, from the map and the coverage of a snapshot or of a past state.
 
-use crate::state::{PersistentState, Reach, Venue};
+use crate::state::{Reach, Venue};
 use crate::units::Cell;
 use crate::world::areas::Area;
 use crate::world::coverage::{Coverage, Sensor};
@@ -62,12 +62,6 @@ impl SearchedHall {
         }
         let rest = (sum / cells.max(1) as f64).clamp(0.0, 1.0);
         (!self.areas.is_empty()).then_some(success + left.max(0.0) * rest)
-    }
-}
-
-impl From<&PersistentState> for SearchedHall {
-    fn from(state: &PersistentState) -> SearchedHall {
-        SearchedHall::of(&state.map, &state.coverage, &state.venue())
     }
 }
 

@@ -155,10 +155,10 @@ impl AreaRows {
         Ok(cells)
     }
 
-    /// Returns the number of the area that has this cell.
-    pub(crate) fn at(&self, cell: Cell) -> Option<usize> {
-        let row = self.rows.get(usize::try_from(cell.y - self.first).ok()?)?;
-        row.iter().find(|(columns, _)| columns.contains(&cell.x)).map(|(_, n)| *n)
+    /// Returns the number of the area that has this cell; 0 if none has it.
+    pub(crate) fn at(&self, cell: Cell) -> usize {
+        let row = usize::try_from(cell.y - self.first).ok().and_then(|row| self.rows.get(row));
+        row.into_iter().flatten().find(|(columns, _)| columns.contains(&cell.x)).map_or(0, |(_, n)| *n)
     }
 }
 
