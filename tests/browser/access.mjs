@@ -28,6 +28,8 @@ async function check(page, where, found) {
 export async function checkOne(page, where, found) {
   for (const colorScheme of ['light', 'dark']) {
     await page.emulateMedia({ colorScheme });
+    // A long page takes minutes on a slow machine, and a scenario that says nothing counts as hanging.
+    console.log(`axe looks at: ${where}, ${colorScheme}`);
     for (const [width, height] of SCREENS) {
       await resize(page, width, height);
       await page.evaluate(AXE);
