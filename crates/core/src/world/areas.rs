@@ -61,7 +61,8 @@ impl Area {
     #[must_use]
     pub fn open(&self, map: &HallMap, again: &BTreeSet<Cell>, luggage: &LuggageRecords) -> OpenInArea {
         let is_open = |cell: &Cell| matches!(map.at(*cell), Mark::Unknown | Mark::NotInspected) || again.contains(cell);
-        let pending = luggage.pending().filter(|piece| self.cells().any(|cell| cell == piece.cell)).count();
+        let has = |Cell { x, y }| columns(&self.outline(), y).iter().any(|columns| columns.contains(&x));
+        let pending = luggage.pending().filter(|piece| has(piece.cell)).count();
         OpenInArea { cells: self.cells().filter(is_open).count(), pending }
     }
 
