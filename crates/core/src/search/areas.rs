@@ -7,7 +7,7 @@ use super::forecast::Extent;
 use super::grid::Grid;
 use crate::units::{Bounds, Cell};
 use crate::world::areas::{Area, AreaRows};
-use crate::world::coverage::{Sensor, Views};
+use crate::world::coverage::{FURTHEST, Sensor, Views};
 
 /// What a search needs to know about areas.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,7 +48,7 @@ impl AreaPlan {
         }
         let place = |name: &Arc<str>| areas.iter().position(|area| area.name == *name).map(|n| n + 1);
         let order = order.iter().filter_map(place).filter(|n| open >> n & 1 == 1).collect();
-        let afar = Views { bits: 1 << (sensor.cells.clamp(1, 8) - 1), minute: 0 };
+        let afar = Views { bits: 1 << (sensor.cells.clamp(1, FURTHEST) - 1), minute: 0 };
         let missed = sensor.detection(afar).map_or(0.0, |detection| 1.0 - detection);
         Some(AreaPlan { regions, rows, bounds, order, open, missed })
     }
