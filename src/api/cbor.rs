@@ -47,8 +47,8 @@ pub(super) fn fields(decoder: &mut Decoder<'_>) -> Result<BodyFields, Unread> {
     Ok(fields)
 }
 
-/// Whether another field or value follows. At the end of a map or list of indefinite length, this also skips the break byte (RFC 8949,
-/// section 3.2.2).
+/// Whether another field or value follows. At the end of a map or list of indefinite length, this also skips the break
+/// byte (RFC 8949, section 3.2.2).
 fn more(decoder: &mut Decoder<'_>, left: &mut Option<u64>) -> Result<bool, Unread> {
     if let Some(left) = left {
         let more = *left > 0;
