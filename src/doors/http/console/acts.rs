@@ -160,7 +160,7 @@ impl Fields {
 
     /// Returns the answer about a piece; without a verdict, the sender is unsure.
     fn answer(&self, verdict: Option<Verdict>) -> Result<Command, Problem> {
-        let note = self.note.as_deref().map(note).transpose()?.flatten();
+        let note = note(self.note.as_deref().unwrap_or_default())?;
         let hot = Hot { size: self.size()?, ..hot([&self.hidden, &self.obvious, &self.typical])? };
         Ok(command::answer(LuggageRef::Id(LuggageId(self.id()?)), verdict, note, hot)?)
     }
