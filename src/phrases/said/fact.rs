@@ -170,7 +170,7 @@ impl Language {
         self.with_remarks(say.with("issuer", self.issuer(issuer)), *hot, note.as_ref())
     }
 
-    /// Adds the answers to the three questions and the note to what was said of a verdict.
+    /// Adds the answers to the three questions and the note to what was said.
     pub(super) fn with_remarks(self, said: impl Display, hot: Hot, note: Option<&Note>) -> String {
         let said = self.hot(hot).map_or_else(|| said.to_string(), |hot| format!("{said} ({hot})"));
         note.map_or_else(|| said.clone(), |note| self.say("asked-noted").with("asked", &said).with("note", note).to_string())
