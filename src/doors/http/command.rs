@@ -138,8 +138,7 @@ mod tests {
     use crate::api::tests::fixture::searching;
     use hallsweep_core::bomb_size::BombSize;
     use hallsweep_core::closing::{AreaClosing, Closing};
-    use hallsweep_core::command::Again;
-    use hallsweep_core::command::{Hot, HotAnswer, LuggageRef, Move, Note, TemperatureReport, Verdict};
+    use hallsweep_core::command::{Again, Hot, HotAnswer, LuggageRef, Move, Note, TemperatureReport, Verdict};
     use hallsweep_core::hand_over::HandOver;
     use hallsweep_core::refused::Refused;
     use hallsweep_core::units::{AlarmId, Cell, LuggageId, MissionId};
