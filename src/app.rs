@@ -15,7 +15,7 @@ use tokio::sync::watch;
 use tokio::task::JoinHandle;
 
 use crate::access;
-use crate::config::Settings;
+use crate::config::{HallSettings, Settings};
 use crate::doors::coap::Resources;
 use crate::doors::connection_limits::ConnectionBudget;
 use crate::doors::http::{self, HttpDoor};
@@ -78,9 +78,9 @@ pub fn serve_robot(settings: &Settings, robot: Adapter, announce: impl FnOnce(Do
 }
 
 fn serve_with(settings: &Settings, robot: Option<Adapter>, announce: impl FnOnce(Doors, &FirstAccess)) -> Result<(), AppError> {
-    let settings = &exercise::settled(settings)?;
-    let robots = Robots::of(settings)?;
-    let notes = data_folder::write_out_old(settings).into_iter().chain(mqtt::note(settings)).collect();
+    let settings = &Settings { hall: exercise::settled(&settings.hall)?, ..settings.clone() };
+    let robots = Robots::of(&settings.hall)?;
+    let notes = data_folder::write_out_old(&settings.hall).into_iter().chain(mqtt::note(settings)).collect();
     let runtime = threads::ordinary().map_err(AppError::System)?;
     let served = runtime.block_on(serve_hall(settings, robots, robot, notes, announce));
     runtime.shutdown_timeout(LEFT_BEHIND);
@@ -103,8 +103,8 @@ async fn serve_hall(
     let signalled = signals::listen().map_err(AppError::System)?;
     let secret = access::chance()?;
 
-    let mut kept = DataFolder::open(settings, &mut robots, entry::unusable(settings), notes)?;
-    kept.are_tests_known = exercise::check(settings, &kept)?;
+    let mut kept = DataFolder::open(&settings.hall, &mut robots, entry::unusable(settings), notes)?;
+    kept.are_tests_known = exercise::check(&settings.hall, &kept)?;
     // The keys are opened last, when nothing else can prevent the start. So a key that is created is also shown to
     // the user.
     let opened = entry::access(settings)?;
@@ -114,7 +114,7 @@ async fn serve_hall(
     let reader = ArchiveReader::new(Arc::clone(&kept.archive));
     let Venue { name: hall, cell_m, is_reckoned, robots: team, .. } = robots.venue();
     let (course, coursed) = watch::channel(Course::default());
-    let (handle, mut task, simulator) = start(settings, robots, robot, kept, &halter, coursed, &threads).await;
+    let (handle, mut task, simulator) = start(&settings.hall, robots, robot, kept, &halter, coursed, &threads).await;
     find_robot(&handle).await;
     let ending = watch::Sender::new(false);
     let resources = || Resources::new(handle.clone(), reader.clone(), settings.old_clients.manual_driving);
@@ -123,8 +123,9 @@ async fn serve_hall(
     let mqtt =
         Mqtt::open(settings, mqtt_ports, mqtt_access, &threads, budget, handle.clone(), reader.clone(), ending.subscribe())?;
     let http = listeners(http, &threads.http)?;
-    let door = HttpDoor::new(handle, reader, &hall, access).with_cells_of(cell_m).with_robots(team).with_settings(settings.core);
-    let door = door.with_reckoning(is_reckoned).with_evacuation_of(settings.evacuation_m);
+    let door =
+        HttpDoor::new(handle, reader, &hall, access).with_cells_of(cell_m).with_robots(team).with_settings(settings.hall.core);
+    let door = door.with_reckoning(is_reckoned).with_evacuation_of(settings.hall.evacuation_m);
     let door = door.with_simulator(simulator);
     let door = door.with_mqtt(mqtt.as_ref().and_then(Mqtt::hall));
     announce(doors, &entry);
@@ -178,7 +179,7 @@ async fn find_robot(handle: &Handle) {
 
 /// Starts the core and the robots. `other` replaces the searching robot of the settings.
 async fn start(
-    settings: &Settings,
+    settings: &HallSettings,
     mut robots: Robots,
     other: Option<Adapter>,
     mut kept: DataFolder,
@@ -225,7 +226,7 @@ async fn start(
     (handle, threads.core.handle().spawn(task.run(course)), simulator)
 }
 
-fn engine(settings: &Settings, recalled: Option<Recalled>, epoch: Epoch, clock: &Clock) -> Engine {
+fn engine(settings: &HallSettings, recalled: Option<Recalled>, epoch: Epoch, clock: &Clock) -> Engine {
     let now = clock.now();
     // Distinguishes the revisions of this run from the revisions of other runs. It consists of the start time and of
     // random bytes, because the clock may be set back.

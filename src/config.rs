@@ -34,28 +34,40 @@ pub use mqtt::{Broker, Login, MqttRouter, MqttSettings, OtherBroker};
 pub use robot_address::{RobotAddress, RobotKind};
 pub use robots::MOST_ROBOTS;
 
+/// The settings of the whole program.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Settings {
-    /// Name of a built-in hall, or path of a hall file.
-    pub hall: String,
-    /// Column and row of the robot's start, counted from 0 in the north-west corner; `None` for the start in the hall file.
-    pub hall_start: Option<(u32, u32)>,
-    /// The exercise; `None` for a mission with ordinary pieces.
-    pub exercise: Option<Exercise>,
-    /// Where the name of the hall was set, such as `flag --hall`. The error names this place when the hall cannot be
-    /// read.
-    pub hall_origin: String,
-    /// Whether somebody has chosen a hall. Only then its areas apply to a real robot.
-    pub hall_is_chosen: bool,
+    /// The hall to which all addresses lead that name no hall.
+    pub hall: HallSettings,
     pub http: HttpSettings,
     /// Address of the CoAP resources, over UDP; `None` for no CoAP door.
     pub coap: Option<Bind>,
     pub mqtt: MqttSettings,
     pub old_clients: OldClients,
-    /// Distance in metres that people must keep from a bomb.
-    pub evacuation_m: f64,
     /// Folder for everything that is kept after the program ends; `None` to store nothing.
     pub store: Option<PathBuf>,
+    /// Which log lines are written, in the notation of `tracing_subscriber::EnvFilter`.
+    pub log: String,
+}
+
+/// The settings of one hall and its robots.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HallSettings {
+    /// Name of a built-in hall, or path of a hall file.
+    pub file: String,
+    /// Column and row of the robot's start, counted from 0 in the north-west corner; `None` for the start in the hall file.
+    pub start: Option<(u32, u32)>,
+    /// The exercise; `None` for a mission with ordinary pieces.
+    pub exercise: Option<Exercise>,
+    /// Where the name of the hall was set, such as `flag --hall`. The error names this place when the hall cannot be
+    /// read.
+    pub origin: String,
+    /// Whether somebody has chosen a hall. Only then its areas apply to a real robot.
+    pub is_chosen: bool,
+    /// Distance in metres that people must keep from a bomb.
+    pub evacuation_m: f64,
+    /// Folder for the journal, the photos, and what is stored about the robots; `None` to store nothing.
+    pub folder: Option<PathBuf>,
     /// Number of days for which a mission stays in the journal after it was put away; 0 means for ever.
     pub keep_days: u32,
     pub robot: RobotSettings,
@@ -67,8 +79,6 @@ pub struct Settings {
     /// The required temperature sensors, without duplicates; empty by default.
     pub sensors: Vec<Arc<str>>,
     pub sensor_silence: Duration,
-    /// Which log lines are written, in the notation of `tracing_subscriber::EnvFilter`.
-    pub log: String,
     pub without_effect: Vec<String>,
 }
 

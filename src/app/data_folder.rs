@@ -7,7 +7,7 @@ use std::path::Path;
 use std::sync::Arc;
 
 use super::AppError;
-use crate::config::Settings;
+use crate::config::HallSettings;
 use crate::robots::Robots;
 use crate::runtime::archive::Archive;
 use crate::runtime::clock::Clock;
@@ -40,12 +40,12 @@ impl DataFolder {
     /// also held in two other cases: the keys cannot be read, for the reason in `keys`, or a mission is under way in
     /// another hall. Only two things are errors: the folder is in use, or this user may not enter it.
     pub(super) fn open(
-        settings: &Settings,
+        settings: &HallSettings,
         robots: &mut Robots,
         keys: Option<String>,
         mut notes: Vec<String>,
     ) -> Result<DataFolder, AppError> {
-        let Some(folder) = &settings.store else {
+        let Some(folder) = &settings.folder else {
             let store = MemoryStore::new();
             let archive = store.archive();
             return Ok(DataFolder {
@@ -139,9 +139,9 @@ impl DataFolder {
 /// Archives old missions if the settings limit the number of days that missions stay. This happens before any door is
 /// open, because no answer of a door may wait for archiving. A bounded number is archived at once. After a failure
 /// the missions stay, and the reason is returned.
-pub(super) fn write_out_old(settings: &Settings) -> Option<String> {
+pub(super) fn write_out_old(settings: &HallSettings) -> Option<String> {
     const DAY_MS: i64 = 24 * 60 * 60 * 1000;
-    let folder = settings.store.as_deref().filter(|folder| folder.is_dir() && settings.keep_days > 0)?;
+    let folder = settings.folder.as_deref().filter(|folder| folder.is_dir() && settings.keep_days > 0)?;
     let now = Clock::default().now().wall;
     let before = WallTime { unix_ms: now.unix_ms - i64::from(settings.keep_days) * DAY_MS, ..now };
     match sqlite::write_out_at_start(folder, before, now) {

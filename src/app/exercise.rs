@@ -6,7 +6,7 @@ use std::path::Path;
 use super::AppError;
 use super::data_folder::DataFolder;
 use crate::access;
-use crate::config::{Exercise, Settings};
+use crate::config::{Exercise, HallSettings};
 use crate::storage::names;
 use crate::storage::small_file::SmallFile;
 use crate::storage::sqlite::ReadOnlyJournal;
@@ -17,10 +17,10 @@ const MOST: usize = 256;
 
 /// Returns the settings with the seed of the exercise: the kept one while the exercise may be under way, otherwise the
 /// given one, or one that nobody can guess.
-pub(super) fn settled(settings: &Settings) -> Result<Settings, AppError> {
+pub(super) fn settled(settings: &HallSettings) -> Result<HallSettings, AppError> {
     let mut settled = settings.clone();
     let Some(exercise) = &settings.exercise else { return Ok(settled) };
-    let folder = settings.store.as_deref().unwrap_or(Path::new(""));
+    let folder = settings.folder.as_deref().unwrap_or(Path::new(""));
     let is_same = |kept: &Exercise| kept.pieces == exercise.pieces && (exercise.seed.is_none() || exercise.seed == kept.seed);
     let kept = kept(folder).filter(|kept| is_same(kept) && !is_idle(folder));
     settled.robot.seed = kept.map_or(exercise.seed, |kept| kept.seed).map_or_else(drawn, Ok)?;
@@ -36,8 +36,8 @@ fn is_idle(folder: &Path) -> bool {
 
 /// Refuses to mix exercise and reality, now that the journal was recalled, and keeps the settled seed. Returns whether
 /// the test pieces are known.
-pub(super) fn check(settings: &Settings, data: &DataFolder) -> Result<bool, AppError> {
-    let Some(folder) = &settings.store else { return Ok(true) };
+pub(super) fn check(settings: &HallSettings, data: &DataFolder) -> Result<bool, AppError> {
+    let Some(folder) = &settings.folder else { return Ok(true) };
     let state = data.recalled.as_ref().map(|recalled| &recalled.state).filter(|state| state.under_way);
     let is_exercise = |state: &PersistentState| state.conditions.as_ref().is_some_and(|conditions| conditions.venue.is_exercise);
     let present = state.map(|state| (state.mission, is_exercise(state)));

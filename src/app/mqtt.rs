@@ -60,7 +60,7 @@ impl Mqtt {
         let MqttSettings { broker, prefix, id, old_prefix, home_assistant } = &settings.mqtt;
         let topics = Topics::new(prefix, id, old_prefix);
         let (home_assistant, manual_driving) = (*home_assistant, settings.old_clients.manual_driving);
-        let safe_by = settings.core.rules.safe_by;
+        let safe_by = settings.hall.core.rules.safe_by;
         let common = Common { topics, home_assistant, handle, archive, manual_driving, safe_by, ending };
         match broker {
             None => Ok(None),

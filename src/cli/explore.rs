@@ -69,11 +69,11 @@ enum Answers {
 pub fn run(flags: &Explore) -> Result<(), Failure> {
     let mut settings = super::settings(&flags.sources())?;
     // One simulated operator judges by the hall file, and answers no questions.
-    settings.core.rules = Rules { safe_by: SafeBy::One, hot: HotRule::Optional, ..settings.core.rules };
-    let hall = sim::hall(&settings).map_err(|unusable| AppError::from(Unusable::from(unusable)))?;
+    settings.hall.core.rules = Rules { safe_by: SafeBy::One, hot: HotRule::Optional, ..settings.hall.core.rules };
+    let hall = sim::hall(&settings.hall).map_err(|unusable| AppError::from(Unusable::from(unusable)))?;
     distinct(flags.hall.as_deref().map(Path::new), flags.map.as_deref().map(Path::new).into_iter().chain(flags.log.as_deref()))?;
     let map = flags.map.as_deref().map(|path| MapFile::at(path, flags.force)).transpose()?;
-    let sim = sim::sim_settings(&settings.robot, Camera::Stub);
+    let sim = sim::sim_settings(&settings.hall.robot, Camera::Stub);
     let mut progress = Progress { cells: hall.reachable().len(), percent: 0, is_shown: io::stderr().is_terminal() };
     let mut log = flags.log.as_deref().map(Log::create).transpose()?;
     let watch = |state: &Snapshot, entries: &[Entry]| {
@@ -82,7 +82,8 @@ pub fn run(flags: &Explore) -> Result<(), Failure> {
             log.write(entries);
         }
     };
-    let figures = headless::explore_and_tell(&hall, sim, settings.core, settings.strategy, flags.verdicts.into(), watch);
+    let figures =
+        headless::explore_and_tell(&hall, sim, settings.hall.core, settings.hall.strategy, flags.verdicts.into(), watch);
     progress.clear();
     if let Some(Log { path, file }) = log {
         file.and_then(|mut file| file.flush()).map_err(|error| unwritable(path, &error))?;

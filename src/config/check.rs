@@ -15,7 +15,7 @@ use super::layers::Layers;
 use super::reading::{NumberOrWord, bind, count, number, one_of, read};
 use super::robot_address::RobotKind;
 use super::without_effect::without_effect;
-use super::{Exercise, HttpSettings, OldClients, PairMishaps, Settings, TlsFiles, folder};
+use super::{Exercise, HallSettings, HttpSettings, OldClients, PairMishaps, Settings, TlsFiles, folder};
 use super::{mqtt, robots};
 use hallsweep_core::command::{Strategy, TemperatureReport};
 use hallsweep_core::not_fetched::Fetcher;
@@ -37,18 +37,28 @@ enum Texts {
 
 pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
     check_types(layers)?;
-    let settings = Settings {
-        hall: hall(layers)?,
-        hall_start: hall_start(layers)?,
-        exercise: exercise(layers)?,
-        hall_origin: layers.origin("hall.file"),
-        hall_is_chosen: layers.is_chosen("hall.file"),
+    let store = store(layers)?;
+    Ok(Settings {
+        hall: hall(layers, store.clone())?,
         http: http(layers)?,
         coap: coap(layers)?,
         mqtt: mqtt::mqtt(layers)?,
         old_clients: OldClients { manual_driving: read(layers, "old_clients.manual_driving")? },
+        store,
+        log: log(layers)?,
+    })
+}
+
+/// The settings of a hall whose data is stored in `folder`.
+fn hall(layers: &Layers, folder: Option<PathBuf>) -> Result<HallSettings, SettingsError> {
+    let settings = HallSettings {
+        file: hall_file(layers)?,
+        start: hall_start(layers)?,
+        exercise: exercise(layers)?,
+        origin: layers.origin("hall.file"),
+        is_chosen: layers.is_chosen("hall.file"),
         evacuation_m: number(layers, "console.evacuation_m")?,
-        store: store(layers)?,
+        folder,
         keep_days: count(layers, "store.keep_days")?,
         robot: robots::robot(layers, ROBOT)?,
         further_robots: robots::further(layers)?,
@@ -57,7 +67,6 @@ pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
         core: core(layers)?,
         sensors: sensors(layers)?,
         sensor_silence: number(layers, "temperature.sensor_silence_s").map(Duration::from_secs_f64)?,
-        log: log(layers)?,
         without_effect: without_effect(layers)?,
     };
     robots::check_apart(layers, &settings)?;
@@ -78,7 +87,7 @@ fn check_types(layers: &Layers) -> Result<(), SettingsError> {
     })
 }
 
-fn hall(layers: &Layers) -> Result<String, SettingsError> {
+fn hall_file(layers: &Layers) -> Result<String, SettingsError> {
     let file: String = read(layers, "hall.file")?;
     if file.trim().is_empty() { Err(layers.wrong("hall.file", "it names no hall")) } else { Ok(file) }
 }

@@ -42,10 +42,10 @@ impl Drop for File {
 #[test]
 fn the_defaults_are_complete_and_are_what_the_core_would_choose() {
     let settings = load(&Sources::default()).expect("the defaults are good");
-    assert_eq!(settings.core, CoreSettings::default());
-    assert_eq!(settings.strategy, Strategy::default());
+    assert_eq!(settings.hall.core, CoreSettings::default());
+    assert_eq!(settings.hall.strategy, Strategy::default());
     assert_eq!(settings.http.bind, Bind { at: BindAddress::Localhost(8080), is_chosen: false });
-    assert_eq!(settings.robot.speed, Speed::Times(1.0));
+    assert_eq!(settings.hall.robot.speed, Speed::Times(1.0));
 }
 
 #[test]
@@ -77,8 +77,8 @@ fn a_flag_wins_over_the_environment_and_that_over_a_file() {
     sources.environment = vec![("HALLSWEEP__ROBOT__SEED".into(), "4".into()), ("HALLSWEEP__ROBOT__SPEED".into(), "max".into())];
     sources.flags = vec![Flag { flag: "--seed", key: "robot.seed", value: "5".into() }];
     let settings = load(&sources).expect("all of these are good");
-    assert_eq!((settings.robot.seed, settings.robot.speed), (5, Speed::Max));
-    assert!(!settings.core.wall_lines, "what only the file says stands");
+    assert_eq!((settings.hall.robot.seed, settings.hall.robot.speed), (5, Speed::Max));
+    assert!(!settings.hall.core.wall_lines, "what only the file says stands");
 }
 
 #[test]
@@ -86,7 +86,7 @@ fn the_pair_fetches_beside_the_simulated_robot_alone() {
     let fetcher = |robot: &str, retrieval: Option<&str>| {
         let retrieval = retrieval.map(|value| ("HALLSWEEP__MISSION__RETRIEVAL".to_owned(), value.to_owned()));
         let sources = Sources { flags: Flag::robot(robot).into(), environment: retrieval.into_iter().collect(), file: None };
-        load(&sources).map(|settings| settings.core.fetcher).map_err(|error| error.to_string())
+        load(&sources).map(|settings| settings.hall.core.fetcher).map_err(|error| error.to_string())
     };
     assert_eq!(fetcher("sim", None), Ok(Fetcher::Pair));
     for robot in ["virtual-tcp", "virtual-ws", "line=COM3"] {
@@ -100,7 +100,7 @@ fn the_pair_fetches_beside_the_simulated_robot_alone() {
 
 #[test]
 fn sensors_are_named_in_one_line_each_once() {
-    let named = |names: &str| load(&environment("HALLSWEEP__TEMPERATURE__SENSOR", names)).map(|settings| settings.sensors);
+    let named = |names: &str| load(&environment("HALLSWEEP__TEMPERATURE__SENSOR", names)).map(|settings| settings.hall.sensors);
     assert!(named("").expect("none is the default").is_empty());
     assert_eq!(named("roof, gate-3").expect("two names"), ["roof".into(), "gate-3".into()]);
     let many: Vec<String> = (0..61).map(|number| format!("s{number}")).collect();
@@ -119,7 +119,7 @@ fn sensors_are_named_in_one_line_each_once() {
 #[test]
 fn the_silence_of_a_sensor_is_borne_from_a_second_to_an_hour() {
     let silence =
-        |seconds: &str| load(&environment("HALLSWEEP__TEMPERATURE__SENSOR_SILENCE_S", seconds)).map(|s| s.sensor_silence);
+        |seconds: &str| load(&environment("HALLSWEEP__TEMPERATURE__SENSOR_SILENCE_S", seconds)).map(|s| s.hall.sensor_silence);
     assert_eq!(silence("1").ok(), Some(std::time::Duration::from_secs(1)));
     assert_eq!(silence("3600").ok(), Some(std::time::Duration::from_secs(3600)));
     for wrong in ["0", "0.9", "3601", "nan", "inf", "long"] {
@@ -149,8 +149,8 @@ fn the_range_said_for_the_seed_is_the_one_that_is_accepted() {
     assert!(crate::config::Key::named("robot.seed").expect("a setting").advice.ends_with(&format!("from 0 to {most}")));
     let file = |seed: &str| File::new(&format!("seed{seed}"), &format!("[robot]\nseed = {seed}\n"));
     for good in ["0", "9223372036854775808", &most] {
-        assert_eq!(load(&flag("--seed", "robot.seed", good)).expect("within the range").robot.seed.to_string(), good);
-        assert_eq!(load(&file(good).sources()).expect("within the range").robot.seed.to_string(), good);
+        assert_eq!(load(&flag("--seed", "robot.seed", good)).expect("within the range").hall.robot.seed.to_string(), good);
+        assert_eq!(load(&file(good).sources()).expect("within the range").hall.robot.seed.to_string(), good);
     }
     for wrong in ["-1", "18446744073709551616"] {
         let expect = format!("setting robot.seed = {wrong} (from flag --seed): it is out of range; write a whole number from 0");

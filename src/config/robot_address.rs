@@ -126,7 +126,7 @@ mod tests {
     fn given(robot: &str) -> Result<(RobotKind, String), String> {
         let sources = Sources { flags: Flag::robot(robot).into(), ..Sources::default() };
         load(&sources)
-            .map(|settings| (settings.robot.kind, settings.robot.address.to_string()))
+            .map(|settings| (settings.hall.robot.kind, settings.hall.robot.address.to_string()))
             .map_err(|error| error.to_string())
     }
 
@@ -149,7 +149,8 @@ mod tests {
 
     #[test]
     fn a_line_over_a_device_is_told_from_one_over_the_network() {
-        let address = |robot| load(&Sources { flags: Flag::robot(robot).into(), ..Sources::default() }).map(|s| s.robot.address);
+        let address =
+            |robot| load(&Sources { flags: Flag::robot(robot).into(), ..Sources::default() }).map(|s| s.hall.robot.address);
         assert_eq!(address("line=com12"), Ok(RobotAddress::Device("com12".into())));
         assert_eq!(address("line=com:12"), Ok(RobotAddress::Network { host: "com".into(), port: 12 }));
     }
@@ -201,8 +202,8 @@ mod tests {
         let environment = ["KIND", "ADDRESS"].into_iter().zip(["line", "/dev/ttyUSB0"]);
         let environment = environment.map(|(key, value)| (format!("HALLSWEEP__ROBOT__{key}"), value.to_owned())).collect();
         let mut sources = Sources { environment, ..Sources::default() };
-        assert_eq!(load(&sources).map(|settings| settings.robot.kind), Ok(RobotKind::Line));
+        assert_eq!(load(&sources).map(|settings| settings.hall.robot.kind), Ok(RobotKind::Line));
         sources.flags = Flag::robot("sim").into();
-        assert_eq!(load(&sources).map(|settings| settings.robot.address), Ok(RobotAddress::Here));
+        assert_eq!(load(&sources).map(|settings| settings.hall.robot.address), Ok(RobotAddress::Here));
     }
 }

@@ -11,7 +11,7 @@ use super::key::ROBOTS;
 use super::layers::Layers;
 use super::reading::{NumberOrWord, count, number, read, sensing, within};
 use super::robot_address::{RobotKind, robot_address};
-use super::{RobotSettings, Settings};
+use super::{HallSettings, RobotSettings};
 use hallsweep_core::pair::Which;
 use hallsweep_core::robot::RobotId;
 use hallsweep_core::search::Sensing;
@@ -21,7 +21,7 @@ use hallsweep_core::speed::Speed;
 /// robot before anything else (safety S7). For each simulated robot a photo may have to be drawn at any moment.
 pub const MOST_ROBOTS: usize = 8;
 
-impl Settings {
+impl HallSettings {
     /// All robots, the searching one first.
     pub fn robots(&self) -> impl Iterator<Item = (RobotId, &RobotSettings)> {
         let further = self.further_robots.iter().map(|(robot, settings)| (robot.clone(), settings));
@@ -49,7 +49,7 @@ pub(super) fn further(layers: &Layers) -> Result<Vec<(RobotId, RobotSettings)>, 
 }
 
 /// Refuses two robots with the same address or the same page, because they would disturb each other.
-pub(super) fn check_apart(layers: &Layers, settings: &Settings) -> Result<(), SettingsError> {
+pub(super) fn check_apart(layers: &Layers, settings: &HallSettings) -> Result<(), SettingsError> {
     let mut taken: BTreeMap<String, RobotId> = BTreeMap::new();
     for (robot, settings) in settings.robots() {
         let Some(place) = settings.address.place() else { continue };
@@ -113,22 +113,24 @@ mod tests {
     use crate::config::{Sources, load};
 
     /// Settings from environment variables alone; the names are given without the prefix `HALLSWEEP__`.
-    fn given(variables: &[(&str, &str)]) -> Result<Settings, SettingsError> {
+    fn given(variables: &[(&str, &str)]) -> Result<HallSettings, SettingsError> {
         let variable = |(name, value): &(&str, &str)| (format!("HALLSWEEP__{name}"), (*value).to_owned());
         load(&Sources { environment: variables.iter().map(variable).collect(), ..Sources::default() })
+            .map(|settings| settings.hall)
     }
 
     /// Settings from a file and from environment variables; the names of the variables are given with their prefix.
-    fn written(name: &str, text: &str, variables: &[(&str, &str)]) -> Result<Settings, SettingsError> {
+    fn written(name: &str, text: &str, variables: &[(&str, &str)]) -> Result<HallSettings, SettingsError> {
         let path = std::env::temp_dir().join(format!("hallsweep-robots-{}-{name}.toml", std::process::id()));
         std::fs::write(&path, text).expect("the temporary directory can be written");
         let environment = variables.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned())).collect();
-        let settings = load(&Sources { file: Some(path.clone()), environment, ..Sources::default() });
+        let settings =
+            load(&Sources { file: Some(path.clone()), environment, ..Sources::default() }).map(|settings| settings.hall);
         std::fs::remove_file(path).expect("the file is ours");
         settings
     }
 
-    fn said(settings: Result<Settings, SettingsError>) -> String {
+    fn said(settings: Result<HallSettings, SettingsError>) -> String {
         settings.expect_err("this is wrong").to_string()
     }
 

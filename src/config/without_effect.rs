@@ -62,7 +62,7 @@ mod tests {
         let flags = set.chain(Flag::robot(robot)).collect();
         let variable = |(name, value): &(&str, &str)| (format!("HALLSWEEP__{name}"), (*value).to_owned());
         let environment = variables.iter().map(variable).collect();
-        load(&Sources { flags, environment, file: None }).expect("the program starts").without_effect
+        load(&Sources { flags, environment, file: None }).expect("the program starts").hall.without_effect
     }
 
     #[test]
@@ -116,6 +116,6 @@ mod tests {
         let settings = load(&Sources { file: Some(path.clone()), ..Sources::default() });
         std::fs::remove_file(&path).expect("the file is ours");
         let expect = format!("robots.discovery.speed in file {}", path.display());
-        assert_eq!(settings.expect("the program starts").without_effect, [expect]);
+        assert_eq!(settings.expect("the program starts").hall.without_effect, [expect]);
     }
 }

@@ -10,7 +10,7 @@ use tokio::sync::watch;
 use super::Adapter;
 use super::external::{ExternalRobot, UnusableScene};
 use super::sim::{self, ChosenHall, Controls, Remote, SimPair, SimRobot, SimulatedHall, SimulatorParts, UnusableHall};
-use crate::config::{RobotKind, RobotSettings, Settings};
+use crate::config::{HallSettings, RobotKind, RobotSettings};
 use crate::runtime::clock::Clock;
 use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::robot::RobotId;
@@ -56,12 +56,12 @@ enum Robot {
 }
 
 impl Robots {
-    pub fn of(settings: &Settings) -> Result<Robots, Unusable> {
+    pub fn of(settings: &HallSettings) -> Result<Robots, Unusable> {
         let is_simulated = settings.robots().any(|(_, robot)| robot.kind == RobotKind::Sim);
         // A changed start in the settings counts as another hall, and then the hall chosen earlier does not apply.
-        let start = settings.hall_start.map_or_else(String::new, |(column, row)| format!(" from {column},{row}"));
-        let instead = format!("{}{start}", settings.hall);
-        let chosen = settings.store.as_deref().filter(|_| is_simulated).map(|folder| ChosenHall::within(folder, &instead));
+        let start = settings.start.map_or_else(String::new, |(column, row)| format!(" from {column},{row}"));
+        let instead = format!("{}{start}", settings.file);
+        let chosen = settings.folder.as_deref().filter(|_| is_simulated).map(|folder| ChosenHall::within(folder, &instead));
         let was_chosen = chosen.as_ref().map_or(Ok(None), ChosenHall::read);
         let no_hall = was_chosen.as_ref().err().map(ToString::to_string);
         let SimulatedHall { hall, seed } = match was_chosen {
@@ -104,11 +104,11 @@ impl Robots {
         let model = (is_sim && can_miss).then_some(SensorModel::SimCamera);
         let sensor = Sensor { cells: settings.core.sonar_cells, model };
         let speed = settings.robot.speed;
-        let usual = (settings.hall.clone(), settings.hall_start);
-        let areas = if !is_sim && settings.hall_is_chosen { Arc::clone(sim::hall(settings)?.areas()) } else { Arc::default() };
-        if !is_simulated && settings.hall_is_chosen && areas.is_empty() {
+        let usual = (settings.file.clone(), settings.start);
+        let areas = if !is_sim && settings.is_chosen { Arc::clone(sim::hall(settings)?.areas()) } else { Arc::default() };
+        if !is_simulated && settings.is_chosen && areas.is_empty() {
             tracing::warn!(
-                hall = settings.hall,
+                hall = settings.file,
                 "hall.file and hall.start have no effect on the configured robots: this hall has no areas"
             );
         }
@@ -278,7 +278,7 @@ mod tests {
             let chosen = set.iter().map(|(flag, value)| Flag::given(flag, (*value).to_owned()));
             let flags = Flag::robot("line=localhost:9").into_iter().chain(chosen).collect();
             let settings = load(&Sources { flags, ..Sources::default() }).expect("good settings");
-            Robots::of(&settings).map(|robots| robots.venue()).map_err(|unusable| unusable.to_string())
+            Robots::of(&settings.hall).map(|robots| robots.venue()).map_err(|unusable| unusable.to_string())
         };
         let hall = file.display().to_string();
         let usual = venue(&[("--data", "none")]).expect("the usual hall is unused");

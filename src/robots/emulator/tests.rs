@@ -25,7 +25,7 @@ impl Test {
     async fn begin(rows: &[&str], speed: Speed, faults: Faults, photo_bytes: usize) -> Test {
         let name = RobotName::new("emulator").unwrap();
         let emulation = Emulation { name, end: End::Port("127.0.0.1:0".to_owned()), photo_bytes, faults };
-        let settings = RobotSettings { speed, ..load(&Sources::default()).unwrap().robot };
+        let settings = RobotSettings { speed, ..load(&Sources::default()).unwrap().hall.robot };
         let hall = Arc::new(Hall::from_rows("test", rows).unwrap());
         let (say, place) = oneshot::channel();
         let announce = |place: &str| say.send(place.to_owned()).unwrap();

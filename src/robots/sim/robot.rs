@@ -119,7 +119,7 @@ mod tests {
     }
 
     fn robot(id: &str, hall: &Arc<Hall>) -> SimRobot {
-        let settings = crate::config::load(&crate::config::Sources::default()).expect("the defaults are good").robot;
+        let settings = crate::config::load(&crate::config::Sources::default()).expect("the defaults are good").hall.robot;
         SimRobot::new(RobotId::new(id).expect("a name"), Arc::clone(hall), &settings, false)
     }
 

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::config::{RobotSettings, Settings};
+use crate::config::{HallSettings, RobotSettings};
 use hallsweep_sim::{Camera, Hall, HallError, HallFault, SimSettings};
 
 /// `Display` is the message for the person who started the program.
@@ -17,10 +17,10 @@ pub enum UnusableHall {
     Exercise(HallFault),
 }
 
-pub fn hall(settings: &Settings) -> Result<Arc<Hall>, UnusableHall> {
-    let unreadable = |error| UnusableHall::File { name: settings.hall.clone(), origin: settings.hall_origin.clone(), error };
-    let hall = Hall::named_or_file(&settings.hall).map_err(unreadable)?;
-    let Some(start) = settings.hall_start else { return Ok(Arc::new(hall)) };
+pub fn hall(settings: &HallSettings) -> Result<Arc<Hall>, UnusableHall> {
+    let unreadable = |error| UnusableHall::File { name: settings.file.clone(), origin: settings.origin.clone(), error };
+    let hall = Hall::named_or_file(&settings.file).map_err(unreadable)?;
+    let Some(start) = settings.start else { return Ok(Arc::new(hall)) };
     hall.starting_at(start).map(Arc::new).map_err(UnusableHall::Start)
 }
 
