@@ -44,6 +44,6 @@ mod vocabulary;
 pub mod world;
 
 pub use vocabulary::{
-    arm, asked, bomb_size, closing, command, event, hand_over, hold, not_fetched, pair, phase, place, refused, robot, simulated,
-    speed, units, words,
+    arm, asked, bomb_size, closing, command, event, hall, hand_over, hold, not_fetched, pair, phase, place, refused, robot,
+    simulated, speed, units, words,
 };

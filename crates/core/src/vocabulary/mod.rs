@@ -7,6 +7,7 @@ pub mod bomb_size;
 pub mod closing;
 pub mod command;
 pub mod event;
+pub mod hall;
 pub mod hand_over;
 pub mod hold;
 pub mod not_fetched;

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use super::hall::is_plain;
+
 /// The name of a robot in settings, orders, reports and records.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct RobotId(Arc<str>);
@@ -13,9 +15,7 @@ impl RobotId {
     /// Returns `None` unless the text has 1 to `MOST` small letters, digits and hyphens, and begins with a letter.
     #[must_use]
     pub fn new(text: &str) -> Option<RobotId> {
-        let usable = |byte: u8| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'-';
-        let begins = text.bytes().next().is_some_and(|first| first.is_ascii_lowercase());
-        (begins && text.len() <= RobotId::MOST && text.bytes().all(usable)).then(|| RobotId(Arc::from(text)))
+        is_plain(text, RobotId::MOST).then(|| RobotId(Arc::from(text)))
     }
 
     /// The default name of the robot that searches.
