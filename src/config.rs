@@ -7,6 +7,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 use hallsweep_core::command::Strategy;
+use hallsweep_core::hall::HallId;
 use hallsweep_core::robot::RobotId;
 use hallsweep_core::settings::Settings as CoreSettings;
 use hallsweep_core::speed::Speed;
@@ -53,6 +54,7 @@ pub struct Settings {
 /// The settings of one hall and its robots.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HallSettings {
+    pub name: HallId,
     /// Name of a built-in hall, or path of a hall file.
     pub file: String,
     /// Column and row of the robot's start, counted from 0 in the north-west corner; `None` for the start in the hall file.
@@ -142,6 +144,13 @@ pub struct RobotSettings {
 pub struct PairMishaps {
     pub slips: u32,
     pub unrecognised: u32,
+}
+
+impl Settings {
+    /// All halls, the default hall first.
+    pub fn halls(&self) -> impl Iterator<Item = &HallSettings> {
+        std::iter::once(&self.hall)
+    }
 }
 
 pub fn load(sources: &Sources) -> Result<Settings, SettingsError> {

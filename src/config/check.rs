@@ -18,6 +18,7 @@ use super::without_effect::without_effect;
 use super::{Exercise, HallSettings, HttpSettings, OldClients, PairMishaps, Settings, TlsFiles, folder};
 use super::{mqtt, robots};
 use hallsweep_core::command::{Strategy, TemperatureReport};
+use hallsweep_core::hall::HallId;
 use hallsweep_core::not_fetched::Fetcher;
 use hallsweep_core::search::Objective;
 use hallsweep_core::search::costs::Costs;
@@ -52,6 +53,7 @@ pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
 /// The settings of a hall whose data is stored in `folder`.
 fn hall(layers: &Layers, folder: Option<PathBuf>) -> Result<HallSettings, SettingsError> {
     let settings = HallSettings {
+        name: HallId::new("main").expect("a plain name"),
         file: hall_file(layers)?,
         start: hall_start(layers)?,
         exercise: exercise(layers)?,

@@ -78,6 +78,11 @@ impl Handle {
         &self.halter
     }
 
+    /// Waits until the loop has ended.
+    pub async fn ended(&self) {
+        self.commands.closed().await;
+    }
+
     /// Sends a command. The command is stamped and queued immediately: commands stay in order, and a stop halts the
     /// robots even if the future is dropped. The future yields the answer. The answer to a stop waits until the robot
     /// stands and the stop is on disk, but not longer than a tenth of a second (safety S4, S8). If the queue is full,

@@ -11,7 +11,7 @@ use sha2::{Digest, Sha256};
 use tower_service::Service;
 
 use super::book::{Book, hex, readable};
-use super::doors::{Access, ArchiveReader, Hosts, HttpDoor, Participant, Snapshot, coming_from, router};
+use super::doors::{Access, ArchiveReader, HallDoor, HallId, Halls, Hosts, Participant, Snapshot, coming_from, router};
 use super::test_app::TestApp;
 
 /// End of all simulated times, in milliseconds since 1970; a later time comes from the machine's clock.
@@ -47,10 +47,11 @@ pub(crate) struct Answered {
 impl Http {
     pub(crate) fn new(app: &TestApp, access: Access) -> Http {
         let archive = ArchiveReader::new(app.memory.archive());
-        let door = HttpDoor::new(app.handle.clone(), archive, "airport", access).with_cells_of(Some(0.5));
+        let hall = HallDoor::new(app.handle.clone(), archive, "airport").with_cells_of(Some(0.5));
         let robot = Participant { name: "discovery".into(), kind: "sim".into(), address: None };
-        let door = door.with_robots([robot].into());
-        Http { router: router(&door, Hosts::new(false, &[])) }
+        let main = HallId::new("main").expect("a plain name");
+        let halls = Halls::new(main, hall.with_robots([robot].into()), access, None);
+        Http { router: router(&halls, Hosts::new(false, &[])) }
     }
 
     /// Sends a request from this machine.

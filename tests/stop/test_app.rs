@@ -18,7 +18,7 @@ use tokio::sync::{oneshot, watch};
 
 use hallsweep::access::Access;
 use hallsweep::doors::coap::{self, Resources, Socket};
-use hallsweep::doors::http::{self, Front, HttpDoor};
+use hallsweep::doors::http::{self, Front, HallDoor, Halls};
 use hallsweep::runtime::archive_reader::ArchiveReader;
 use hallsweep::runtime::clock::Clock;
 use hallsweep::runtime::halt::{Halter, Halts};
@@ -28,6 +28,7 @@ use hallsweep::runtime::task::{Course, Task};
 use hallsweep::storage::sqlite::MemoryStore;
 use hallsweep_core::engine::Engine;
 use hallsweep_core::event::{Capabilities, RobotEvent};
+use hallsweep_core::hall::HallId;
 use hallsweep_core::hold::Hold;
 use hallsweep_core::robot::{Parts, RobotId};
 use hallsweep_core::settings::Settings;
@@ -84,14 +85,15 @@ impl TestApp {
         let mut until = closed;
         let coap_ended = async move { drop(until.wait_for(|closing| *closing).await) };
         let mut seen = handle.watch();
-        let door = HttpDoor::new(handle, reader, "bench", Access::Open);
+        let main = HallId::new("main").expect("a plain name");
+        let halls = Halls::new(main, HallDoor::new(handle, reader, "bench"), Access::Open, None);
         let (began, late, standing) = (AtomicU64::new(0), AtomicU64::new(0), AtomicBool::new(true));
         let watched = Arc::new(Watched { began, late, standing, on_halt: Box::new(on_halt) });
         let (course, coursed) = watch::channel(Course::default());
         tokio::spawn(task.run(coursed));
         tokio::spawn(coap::serve(socket, [7; 32], resources, states, coap_ended));
         tokio::spawn(Wheels { side, watched: Arc::clone(&watched) }.run());
-        tokio::spawn(http::serve(listener.into(), door, Front::default(), async { drop(ended.await) }));
+        tokio::spawn(http::serve(listener.into(), halls, Front::default(), async { drop(ended.await) }));
         // A START before the link is up is refused.
         let linked = seen.wait_for(|snapshot| !snapshot.mission.holds.contains(&Hold::RobotLink)).await;
         drop(linked.expect("the loop runs"));

@@ -9,6 +9,7 @@ use axum::response::{IntoResponse, Response};
 
 use super::HttpDoor;
 use super::gate::{allowed, issuer};
+use super::halls::Entered;
 use super::hearing::{Arrived, Pressed};
 use super::peer::{LetIn, Peer};
 use super::problem::Problem;
@@ -61,15 +62,18 @@ pub(super) struct CommandSender {
     id: Result<Option<CommandId>, Problem>,
 }
 
-impl FromRequestParts<HttpDoor> for CommandSender {
+impl<S: Send + Sync> FromRequestParts<S> for CommandSender {
     type Rejection = Problem;
 
-    async fn from_request_parts(parts: &mut Parts, door: &HttpDoor) -> Result<CommandSender, Problem> {
-        let LetIn(caller) = LetIn::from_request_parts(parts, door).await?;
-        let peer = Peer::from_request_parts(parts, door).await?;
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<CommandSender, Problem> {
+        let LetIn(caller) = LetIn::from_request_parts(parts, state).await?;
+        let peer = Peer::from_request_parts(parts, state).await?;
         let pressed = parts.extensions.remove();
-        let arrived = parts.extensions.get().map(|Arrived(epoch)| *epoch);
-        Ok(CommandSender { door: door.clone(), caller, peer, pressed, arrived, id: command_id(&parts.headers) })
+        let door = HttpDoor::from_request_parts(parts, state).await?;
+        let hall = parts.extensions.get().and_then(|entered: &Entered| entered.hall.clone());
+        // The epoch of another hall says nothing about this one, so the request counts as one that came before any STOP.
+        let arrived = parts.extensions.get().map(|of: &Arrived| if of.hall == hall { of.epoch } else { Epoch::default() });
+        Ok(CommandSender { door, caller, peer, pressed, arrived, id: command_id(&parts.headers) })
     }
 }
 
@@ -98,7 +102,7 @@ impl CommandSender {
         };
         let request = Request { id, epoch, arrived: self.arrived, ..Request::new(command, issuer) };
         // Runs in a separate task: an accepted command is carried out even if its sender disconnects.
-        let carried_out = tokio::spawn(self.door.handle.carry_out(request));
+        let carried_out = tokio::spawn(self.door.hall.handle.carry_out(request));
         Ok(carried_out.await.map_err(|_| Problem::internal())??)
     }
 }

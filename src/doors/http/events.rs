@@ -6,7 +6,6 @@ use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
 
-use axum::extract::State;
 use axum::http::{HeaderMap, HeaderName};
 use axum::response::sse::{Event, KeepAlive, Sse};
 use axum::response::{IntoResponse, Response};
@@ -36,7 +35,7 @@ const RETRY: Duration = Duration::from_secs(1);
 /// Tells proxies not to buffer a stream.
 pub(super) const UNBUFFERED: (HeaderName, &str) = (HeaderName::from_static("x-accel-buffering"), "no");
 
-pub(super) async fn events(State(door): State<HttpDoor>, LetIn(caller): LetIn, headers: HeaderMap) -> Result<Response, Problem> {
+pub(super) async fn events(door: HttpDoor, LetIn(caller): LetIn, headers: HeaderMap) -> Result<Response, Problem> {
     let (watcher, snapshot) = Watcher::open(&door, caller)?;
     // An id has the form `run-revision`. The stream starts with the complete state if the id is from another run, or
     // if its revision is not reached yet.
@@ -172,7 +171,7 @@ mod tests {
         let app = app(searching());
         let mut stream = open(&app, None).await;
         next(&mut stream).await;
-        app.door.close();
+        app.halls().close();
         let end = tokio::time::timeout(Duration::from_millis(500), stream.next()).await.expect("it ends at once");
         assert!(end.is_none());
     }

@@ -1,18 +1,21 @@
 //! The gate before every route. It identifies the sender by bearer token or session cookie, then checks whether the
 //! sender has the required right. The table of `routes` lists the required rights. `crate::access` has the keys.
 
+use axum::Extension;
 use axum::extract::{Request, State};
 use axum::http::{HeaderMap, HeaderValue, Method, header};
 use axum::middleware::Next;
 use axum::response::{IntoResponse, Redirect, Response};
 
-use super::HttpDoor;
 use super::guard::is_for_people;
+use super::halls::{Entered, Halls};
 use super::hearing::Pressed;
 use super::peer::{Peer, cookies};
+use super::prefix::is_of_the_process;
 use super::problem::{NotTaken, Problem};
 use super::scanning::KEYS;
 use super::sign_in::{Undone, sign_in_page};
+use super::{HttpDoor, Process};
 use crate::access::{Access, Caller, Moment, Need, Network};
 use crate::api::door;
 use crate::api::fields::in_short;
@@ -22,7 +25,7 @@ use hallsweep_core::refused::Refused;
 
 #[derive(Clone)]
 pub(super) struct Gate {
-    door: HttpDoor,
+    halls: Halls,
     need: Need,
 }
 
@@ -33,8 +36,8 @@ enum Shown {
 }
 
 impl Gate {
-    pub(super) const fn new(door: HttpDoor, need: Need) -> Gate {
-        Gate { door, need }
+    pub(super) const fn new(halls: Halls, need: Need) -> Gate {
+        Gate { halls, need }
     }
 }
 
@@ -47,6 +50,14 @@ pub(super) fn allowed(caller: &Caller, need: Need) -> Result<(), Refused> {
 }
 
 impl HttpDoor {
+    /// Records in the journal that this door refused a request (safety A6).
+    pub(super) async fn note_refused(&self, issuer: Issuer, asked: Asked, refused: Refused) {
+        // Recording fails only while the program is ending. The error cannot be reported to anybody then.
+        let _ = self.hall.handle.note_refused(issuer, asked, refused).await;
+    }
+}
+
+impl Process {
     /// Whether answers can have a date: the clock must not show a time before 1970.
     pub(super) fn can_date(&self) -> bool {
         self.moment().unix_s >= 0
@@ -69,12 +80,6 @@ impl HttpDoor {
         tokio::time::sleep(delay).await;
     }
 
-    /// Records in the journal that this door refused a request (safety A6).
-    pub(super) async fn note_refused(&self, issuer: Issuer, asked: Asked, refused: Refused) {
-        // Recording fails only while the program is ending. The error cannot be reported to anybody then.
-        let _ = self.handle.note_refused(issuer, asked, refused).await;
-    }
-
     fn log_stranger(&self, write: impl FnOnce()) {
         self.strangers.write(self.clock.now().since_start, write);
     }
@@ -88,7 +93,7 @@ impl HttpDoor {
     /// Returns the owner of any valid key in these headers. Further keys that are wrong do not matter.
     pub(super) fn caller_by_any(&self, peer: Peer, headers: &HeaderMap) -> Option<Caller> {
         let by_token = tokens(headers).find_map(|token| self.caller(peer, &Shown::Token(token)));
-        by_token.or_else(|| self.caller(peer, &Shown::Sessions(sessions(headers, self.cookie()))))
+        by_token.or_else(|| self.caller(peer, &Shown::Sessions(sessions(headers, &self.cookie))))
     }
 
     fn caller(&self, peer: Peer, shown: &Shown) -> Option<Caller> {
@@ -105,16 +110,33 @@ impl HttpDoor {
     }
 }
 
-pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mut request: Request, next: Next) -> Response {
-    let shown = shown(request.headers(), door.cookie());
-    let Some(caller) = door.caller(peer, &shown) else {
-        if need == Need::Nothing {
-            return next.run(request).await;
+pub(super) async fn gate(
+    State(Gate { halls, need }): State<Gate>,
+    peer: Peer,
+    Extension(Entered { hall, path }): Extension<Entered>,
+    mut request: Request,
+    next: Next,
+) -> Response {
+    let process = &halls.process;
+    let shown = shown(request.headers(), &process.cookie);
+    let caller = process.caller(peer, &shown);
+    if need == Need::Nothing {
+        if let Some(asked) = request.uri().path_and_query().filter(|asked| hall.is_some() && is_of_the_process(asked.as_str())) {
+            return Redirect::temporary(asked.as_str()).into_response();
         }
+        if let Some(caller) = caller {
+            request.extensions_mut().insert(caller);
+        };
+        return within(halls.default(), request, next).await;
+    }
+    let Some(caller) = caller else {
         if matches!(shown, Shown::Token(_)) {
-            door.hold_back(peer).await;
+            process.hold_back(peer).await;
         }
-        return stranger(&door, peer, &request);
+        return stranger(process, peer, &path, &request);
+    };
+    let Some(door) = halls.seen_by(&caller, hall.as_ref()) else {
+        return Problem::no_hall().into_response();
     };
     let asked = asked(&request, need).map(|(by, asked)| (issuer(&caller, by, peer), asked));
     if let Err(refused) = allowed(&caller, need) {
@@ -125,12 +147,20 @@ pub(super) async fn gate(State(Gate { door, need }): State<Gate>, peer: Peer, mu
     }
     request.extensions_mut().insert(caller);
     let pressed = request.extensions().get::<Pressed>().cloned();
-    let mut response = next.run(request).await;
+    let mut response = within(door.clone(), request, next).await;
     // A request that was recognised as a STOP is already recorded.
     let asked = asked.filter(|_| !pressed.is_some_and(|pressed| pressed.is_there()));
     if let (Some((issuer, asked)), Some(NotTaken(refused))) = (asked, response.extensions_mut().remove::<NotTaken>()) {
         door.note_refused(issuer, asked, refused).await;
     }
+    response
+}
+
+/// Answers a request in this hall. The layers around the gate find the hall in the answer.
+async fn within(door: HttpDoor, mut request: Request, next: Next) -> Response {
+    request.extensions_mut().insert(door.clone());
+    let mut response = next.run(request).await;
+    response.extensions_mut().insert(door);
     response
 }
 
@@ -152,14 +182,17 @@ pub(super) fn by_path(path: &str) -> command::Door {
 /// Answers a sender without credentials. A browser that requests a page is redirected to the sign-in page, which
 /// leads back to the requested page. For any other request of a browser, the sign-in page says that the command was
 /// not carried out. A program gets a problem that says what to send.
-fn stranger(door: &HttpDoor, peer: Peer, request: &Request) -> Response {
+fn stranger(process: &Process, peer: Peer, path: &str, request: &Request) -> Response {
     if *request.method() != Method::GET {
-        door.note_unrecorded(peer, request.method(), request.uri().path(), "nobody is signed in");
+        process.note_unrecorded(peer, request.method(), path, "nobody is signed in");
     }
     if is_for_people(request.uri().path(), request.headers()) {
-        let path = request.uri().path();
-        let asked = request.uri().path_and_query().map_or(path, |asked| asked.as_str());
-        let page = if *request.method() == Method::GET { sign_in_page(asked) } else { Undone::of(path).page() };
+        let query = request.uri().query().map_or_else(String::new, |query| format!("?{query}"));
+        let page = if *request.method() == Method::GET {
+            sign_in_page(&format!("{path}{query}"))
+        } else {
+            Undone::of(request.uri().path()).page()
+        };
         return Redirect::to(&page).into_response();
     }
     let mut response = Problem::not_signed_in().into_response();

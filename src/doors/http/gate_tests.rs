@@ -19,7 +19,7 @@ type Case<'a> = (&'a str, &'a str, &'a [(&'a str, &'a str)], &'a str, u16, &'a s
 /// Returns the recorded refusals. The loop handles its queue in order, so when it answers this STOP, all earlier
 /// refusals are recorded.
 async fn noted(app: &TestApp) -> Vec<(Door, String, &'static str, String)> {
-    assert_eq!(app.door.handle.give(stop()).await.map(|answer| answer.is_ok()), Ok(true));
+    assert_eq!(app.door.hall.handle.give(stop()).await.map(|answer| answer.is_ok()), Ok(true));
     let noted = std::mem::take(&mut *app.noted.lock().unwrap());
     let told = |(issuer, asked, refused): (hallsweep_core::command::Issuer, Asked, Refused)| {
         (issuer.door, asked.to_string(), refused.code(), format!("{} {}: {refused}", issuer.who, issuer.from))

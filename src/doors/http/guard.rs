@@ -17,13 +17,14 @@ use tower_http::catch_panic::CatchPanicLayer;
 use tower_http::compression::CompressionLayer;
 use tower_http::set_header::SetResponseHeaderLayer;
 
-use super::HttpDoor;
 use super::accept::{codings, preferred};
+use super::halls::Halls;
 use super::language::spoken;
 use super::peer::Peer;
 use super::prefix::local;
 use super::prefix::{is_page, relative};
 use super::problem::{Detail, Problem, halted, in_words};
+use super::{HttpDoor, Process};
 use crate::api::fields::in_short;
 use crate::phrases::Language;
 use hallsweep_core::units::MissionId;
@@ -92,13 +93,13 @@ fn plain(name: &str) -> String {
 
 /// Adds the layers, the innermost first. A request passes them from the bottom of this list to the top, and then the
 /// gate of its route. `CompressionLayer` does not compress event streams and pictures; this is its default.
-pub(super) fn guarded(routes: Router, hosts: Hosts, door: &HttpDoor) -> Router {
-    let clock = door.clock;
+pub(super) fn guarded(routes: Router, hosts: Hosts, halls: &Halls) -> Router {
+    let clock = halls.process.clock;
     let guarded = routes
-        .layer(from_fn_with_state(door.clone(), same_origin))
+        .layer(from_fn_with_state(Arc::clone(&halls.process), same_origin))
         .layer(from_fn_with_state(hosts, own_name))
         .layer(from_fn(for_people))
-        .layer(from_fn_with_state(door.clone(), in_an_exercise))
+        .layer(from_fn(in_an_exercise))
         .layer(map_response(in_a_language))
         .layer(from_fn(relative))
         .layer(CatchPanicLayer::custom(|_: Box<dyn std::any::Any + Send>| Problem::internal().into_response()))
@@ -194,21 +195,20 @@ async fn for_people(request: Request, next: Next) -> Response {
 
 /// Marks the pages of missions that are exercises, and all other pages while the program runs an exercise. A report is
 /// sent as a stream and has its own mark.
-async fn in_an_exercise(State(door): State<HttpDoor>, request: Request, next: Next) -> Response {
+async fn in_an_exercise(request: Request, next: Next) -> Response {
     const TOP: &str = "<header id=\"top\">";
     let language = spoken(request.headers());
     let mission = request.uri().path().strip_prefix("/missions/").and_then(|rest| rest.split('/').next()?.parse().ok());
-    let response = next.run(request).await;
+    let mut response = next.run(request).await;
     let is_whole = response.body().size_hint().exact().is_some();
-    if !is_page(&response) || !is_whole {
-        return response;
-    }
+    let door = response.extensions_mut().remove::<HttpDoor>().filter(|_| is_whole && is_page(&response));
+    let Some(door) = door else { return response };
     let is_exercise = match mission.map(MissionId) {
         Some(mission) => {
-            let record = door.archive.look_up(move |archive| archive.mission(mission)).await;
+            let record = door.hall.archive.look_up(move |archive| archive.mission(mission)).await;
             record.is_ok_and(|record| record.is_some_and(|record| record.is_exercise))
         }
-        None => door.handle.snapshot().mission.is_exercise,
+        None => door.hall.handle.snapshot().mission.is_exercise,
     };
     if !is_exercise {
         return response;
@@ -241,12 +241,12 @@ struct Astray<'a> {
 
 /// Refuses a request that a page of another origin sent, unless the request only reads. A program sends no header
 /// about its origin and is not refused.
-async fn same_origin(State(door): State<HttpDoor>, request: Request, next: Next) -> Response {
+async fn same_origin(State(process): State<Arc<Process>>, request: Request, next: Next) -> Response {
     if matches!(*request.method(), Method::GET | Method::HEAD | Method::OPTIONS) || !is_foreign(request.headers()) {
         return next.run(request).await;
     }
     if let Some(peer) = request.extensions().get::<Peer>() {
-        door.note_unrecorded(*peer, request.method(), request.uri().path(), "a page of another origin sent the request");
+        process.note_unrecorded(*peer, request.method(), request.uri().path(), "a page of another origin sent the request");
     }
     let detail =
         "a page of another origin sent this request: hallsweep accepts commands only from its own page and from programs";

@@ -8,7 +8,6 @@ mod said;
 use std::sync::Arc;
 
 use askama::Template;
-use axum::extract::State;
 use axum::http::header;
 use axum::response::{Html, IntoResponse, Response};
 use tokio::sync::Semaphore;
@@ -41,7 +40,7 @@ pub(super) struct Laboratory {
     turn: Arc<Semaphore>,
 }
 
-pub(super) async fn page(State(door): State<HttpDoor>, to: PageReader, query: Query) -> Result<Html<String>, Problem> {
+pub(super) async fn page(door: HttpDoor, to: PageReader, query: Query) -> Result<Html<String>, Problem> {
     let PageReader { caller, language } = to;
     let asked = AskedPage::of(&query)?;
     let page = door.computed(&caller, move || {
@@ -51,12 +50,12 @@ pub(super) async fn page(State(door): State<HttpDoor>, to: PageReader, query: Qu
     Ok(html(&page.await?))
 }
 
-pub(super) async fn roomba(State(door): State<HttpDoor>, LetIn(caller): LetIn, query: Query) -> Result<Response, Problem> {
+pub(super) async fn roomba(door: HttpDoor, LetIn(caller): LetIn, query: Query) -> Result<Response, Problem> {
     let asked = AskedRoomba::of(&query)?;
     Ok(json(door.computed(&caller, move || Ok(asked.run()?.json())).await?))
 }
 
-pub(super) async fn pallet(State(door): State<HttpDoor>, LetIn(caller): LetIn, query: Query) -> Result<Response, Problem> {
+pub(super) async fn pallet(door: HttpDoor, LetIn(caller): LetIn, query: Query) -> Result<Response, Problem> {
     let asked = AskedPallet::of(&query)?;
     let run = move || {
         let pallet = asked.run()?;
@@ -82,8 +81,8 @@ impl HttpDoor {
         caller: &Caller,
         run: impl FnOnce() -> Result<T, Problem> + Send + 'static,
     ) -> Result<T, Problem> {
-        let Laboratory { places, turn } = &self.laboratory;
-        let place = places.take(self.access.key_of(caller)).map_err(Problem::too_many_runs)?;
+        let Laboratory { places, turn } = &self.process.laboratory;
+        let place = places.take(self.process.access.key_of(caller)).map_err(Problem::too_many_runs)?;
         let turn = Arc::clone(turn).acquire_owned().await.map_err(|_| Problem::internal())?;
         // The place and the turn are freed when the run has ended, even if nobody waits for the result any more.
         let computing = tokio::task::spawn_blocking(move || (run(), turn, place));
@@ -203,7 +202,7 @@ mod tests {
     async fn a_viewer_who_asks_for_many_runs_is_refused_and_an_operator_computes() {
         let (keyring, tokens) = keys();
         let app = Arc::new(guarded_app(searching(), Access::Keys(keyring)));
-        let turn = Arc::clone(&app.door.laboratory.turn).acquire_owned().await.unwrap();
+        let turn = Arc::clone(&app.door.process.laboratory.turn).acquire_owned().await.unwrap();
         let mut asked = tokio::task::JoinSet::new();
         let ask = |asked: &mut tokio::task::JoinSet<_>, token: &str| {
             let (app, key) = (Arc::clone(&app), format!("Bearer {token}"));

@@ -29,7 +29,7 @@ struct MapFile {
 
 pub(super) async fn map_file(row: &'static MapFileRow, door: &HttpDoor, headers: &HeaderMap) -> Result<Response, Problem> {
     let (run, asked) = {
-        let snapshot = door.handle.snapshot();
+        let snapshot = door.hall.handle.snapshot();
         (Arc::clone(&snapshot.run), row.revision(&snapshot))
     };
     let file = if is_known(headers, &tag(&run, asked, row.name)) {
@@ -45,15 +45,15 @@ impl HttpDoor {
     /// Returns the cached file if it is new enough for the request. Otherwise writes a file of the newest map, which
     /// all waiting requests then get too.
     async fn map_file(&self, row: &'static MapFileRow, asked: Revision) -> Result<MapFile, Problem> {
-        let mut files = Arc::clone(&self.map_files.0).lock_owned().await;
+        let mut files = Arc::clone(&self.hall.map_files.0).lock_owned().await;
         if let Some(file) = files.get(row.name).filter(|file| file.revision >= asked) {
             return Ok(file.clone());
         }
         let door = self.clone();
         // The lock is released when the file is written, even if nobody waits for that file any more.
         let writing = tokio::task::spawn_blocking(move || {
-            let snapshot = door.handle.snapshot();
-            let (hall, cell_m) = door.hall();
+            let snapshot = door.hall.handle.snapshot();
+            let (hall, cell_m) = door.hall.place();
             let bytes = row.written(&hall, cell_m, &snapshot).into();
             let file = MapFile { revision: row.revision(&snapshot), bytes };
             files.insert(row.name, file.clone());
@@ -98,7 +98,7 @@ mod tests {
     async fn one_is_written_at_a_time_also_for_those_who_have_gone() {
         let app = app(searching());
         drop(app.door.map_file(IMAGE, Revision(20)).now_or_never());
-        let files = within("its turn", app.door.map_files.0.lock()).await;
+        let files = within("its turn", app.door.hall.map_files.0.lock()).await;
         assert!(files[IMAGE.name].bytes.starts_with(b"P5\n6 5\n"));
     }
 

@@ -5,7 +5,6 @@
 use std::fmt;
 use std::sync::atomic::AtomicU64;
 
-use axum::extract::State;
 use axum::http::{HeaderMap, header};
 use axum::response::{IntoResponse, Response};
 use prometheus_client::encoding::text::encode;
@@ -26,8 +25,8 @@ pub(super) const FORMATS: [&str; 2] = ["text/plain", "application/openmetrics-te
 
 const PREFIX: &str = "hallsweep";
 
-pub(super) async fn metrics(State(door): State<HttpDoor>, headers: HeaderMap) -> Result<Response, Problem> {
-    let text = written(door.handle.figures(), &door.handle.snapshot()).map_err(|_| Problem::internal())?;
+pub(super) async fn metrics(door: HttpDoor, headers: HeaderMap) -> Result<Response, Problem> {
+    let text = written(door.hall.handle.figures(), &door.hall.handle.snapshot()).map_err(|_| Problem::internal())?;
     // A client that names neither format gets the older one, which all Prometheus clients can read.
     let (media_type, text) = match accept::preferred(&headers, &FORMATS) {
         Some("application/openmetrics-text") => ("application/openmetrics-text; version=1.0.0; charset=utf-8", text),

@@ -1,7 +1,6 @@
 //! Stored missions under `/api/v1/missions`, the present mission included: the list, one mission, its map, and its
 //! events. `console::missions` has the pages for people.
 
-use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::Response;
 
@@ -46,7 +45,7 @@ const LOOKS: usize = 10;
 const JSON: &str = "application/json";
 
 /// `GET missions`: the missions, newest first.
-pub(super) async fn list(State(door): State<HttpDoor>, query: Query, headers: HeaderMap) -> Result<Response, Problem> {
+pub(super) async fn list(door: HttpDoor, query: Query, headers: HeaderMap) -> Result<Response, Problem> {
     query.only(&["before", "limit"])?;
     let limit = query.count("limit", 1..=MOST_MISSIONS)?.unwrap_or(MISSIONS);
     let (records, next) = newest(&door, before(&query)?, limit).await?;
@@ -56,19 +55,14 @@ pub(super) async fn list(State(door): State<HttpDoor>, query: Query, headers: He
 }
 
 /// `GET missions/{id}`: one mission, with its luggage and its map.
-pub(super) async fn mission(State(door): State<HttpDoor>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
+pub(super) async fn mission(door: HttpDoor, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     let RecordedMission { record, state, damage } = recorded(&door, id).await?;
     Ok(by_content(&headers, JSON, json(&MissionWholeJson::new((&record).into(), state.as_ref(), damage))))
 }
 
 /// `GET missions/{id}/moment`: the state after the last entry up to `at`. Without `at`, the state after the last
 /// entry of the mission.
-pub(super) async fn moment(
-    State(door): State<HttpDoor>,
-    Number(id): Number,
-    query: Query,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
+pub(super) async fn moment(door: HttpDoor, Number(id): Number, query: Query, headers: HeaderMap) -> Result<Response, Problem> {
     query.only(&["at"])?;
     let at = At::Entry(at(&query)?.unwrap_or(Seq(MOST)));
     let [PastMoment { past: Sound { of: past, damage }, wall, .. }] = stood(&door, id, [at]).await?;
@@ -81,7 +75,7 @@ pub(super) fn at(query: &Query) -> Result<Option<Seq>, Problem> {
 
 pub(super) async fn stood<const N: usize>(door: &HttpDoor, id: u64, at: [At; N]) -> Result<[PastMoment; N], Problem> {
     let mission = MissionId(id);
-    let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
+    let found = door.hall.archive.look_up(move |archive| match archive.mission(mission)? {
         Some(_) => archive.moments(mission, &at).map(Some),
         None => Ok(None),
     });
@@ -91,12 +85,7 @@ pub(super) async fn stood<const N: usize>(door: &HttpDoor, id: u64, at: [At; N])
 }
 
 /// `GET missions/{id}/timeline`: the events that the timeline shows, oldest first.
-pub(super) async fn timeline(
-    State(door): State<HttpDoor>,
-    Number(id): Number,
-    query: Query,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
+pub(super) async fn timeline(door: HttpDoor, Number(id): Number, query: Query, headers: HeaderMap) -> Result<Response, Problem> {
     listed(&door, id, &query, &headers, "timeline", |archive, mission, after, most| {
         archive.timeline(mission, Span::after(after), most)
     })
@@ -104,12 +93,7 @@ pub(super) async fn timeline(
 }
 
 /// `GET missions/{id}/events`: the events of a mission, oldest first.
-pub(super) async fn events(
-    State(door): State<HttpDoor>,
-    Number(id): Number,
-    query: Query,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
+pub(super) async fn events(door: HttpDoor, Number(id): Number, query: Query, headers: HeaderMap) -> Result<Response, Problem> {
     listed(&door, id, &query, &headers, "events", entries).await
 }
 
@@ -137,7 +121,7 @@ async fn listed(
 }
 
 /// `GET missions/{id}/map`: the map of a mission, as JSON or in the text format of the old clients.
-pub(super) async fn map(State(door): State<HttpDoor>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
+pub(super) async fn map(door: HttpDoor, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     const FORMATS: [&str; 2] = [JSON, "text/plain; charset=utf-8"];
     let Some(format) = preferred(&headers, &[JSON, "text/plain"]) else {
         return Err(Problem::not_acceptable("the map is available as application/json and as text/plain".to_owned()));
@@ -153,7 +137,7 @@ pub(super) async fn map(State(door): State<HttpDoor>, Number(id): Number, header
 }
 
 /// `GET missions/{id}/retrieval`: the events of the last retrieval, and each tick of its behaviour trees.
-pub(super) async fn retrieval(State(door): State<HttpDoor>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
+pub(super) async fn retrieval(door: HttpDoor, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     Ok(by_content(&headers, JSON, json(&retrieved(&door, id).await?)))
 }
 
@@ -161,7 +145,7 @@ pub(super) async fn retrieval(State(door): State<HttpDoor>, Number(id): Number, 
 /// Only a few such jobs run at once.
 pub(super) async fn retrieved(door: &HttpDoor, id: u64) -> Result<RetrievalRecordJson, Problem> {
     let mission = MissionId(id);
-    let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
+    let found = door.hall.archive.look_up(move |archive| match archive.mission(mission)? {
         Some(_) => archive.retrieval(mission, RETRIEVAL + 1).map(|entries| Some(retrieval_of(entries))),
         None => Ok(None),
     });
@@ -177,12 +161,7 @@ fn retrieval_of(mut entries: Vec<Happened>) -> Option<RetrievalRecordJson> {
 }
 
 /// `GET missions/{id}/receipts`: the receipts for hand-overs of a mission, oldest first.
-pub(super) async fn receipts(
-    State(door): State<HttpDoor>,
-    Number(id): Number,
-    query: Query,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
+pub(super) async fn receipts(door: HttpDoor, Number(id): Number, query: Query, headers: HeaderMap) -> Result<Response, Problem> {
     query.only(&["after", "limit"])?;
     let limit = query.count("limit", 1..=RECEIPTS)?.unwrap_or(RECEIPTS);
     let (found, next) = of_these(&door, id, after(&query)?, limit, Receipt::all).await?;
@@ -213,7 +192,7 @@ pub(super) async fn newest(
     limit: u64,
 ) -> Result<(Vec<MissionRecord>, Option<MissionId>), Problem> {
     let limit = count(limit);
-    let mut records = door.archive.look_up(move |archive| archive.missions(before, limit + 1)).await?;
+    let mut records = door.hall.archive.look_up(move |archive| archive.missions(before, limit + 1)).await?;
     let more = records.len() > limit;
     records.truncate(limit);
     let next = records.last().map(|record| record.id).filter(|_| more);
@@ -229,7 +208,7 @@ pub(super) struct RecordedMission {
 
 pub(super) async fn recorded(door: &HttpDoor, id: u64) -> Result<RecordedMission, Problem> {
     let mission = MissionId(id);
-    let found = door.archive.look_up(move |archive| Ok((archive.mission(mission)?, archive.state(mission)?))).await?;
+    let found = door.hall.archive.look_up(move |archive| Ok((archive.mission(mission)?, archive.state(mission)?))).await?;
     let (record, sound) = found;
     let (state, damage) = sound.map_or((None, Vec::new()), |Sound { of, damage }| (Some(of), damage));
     Ok(RecordedMission { record: record.ok_or_else(|| unknown(id))?, state, damage })
@@ -250,7 +229,7 @@ pub(super) async fn of_these<T: Send + 'static>(
     which: Which<T>,
 ) -> Result<(Vec<(Seq, T)>, Option<Seq>), Problem> {
     let (mission, limit) = (MissionId(id), count(limit));
-    let found = door.archive.look_up(move |archive| match archive.mission(mission)? {
+    let found = door.hall.archive.look_up(move |archive| match archive.mission(mission)? {
         Some(_) => which(archive, mission, after, limit + 1).map(Some),
         None => Ok(None),
     });

@@ -9,6 +9,7 @@ mod etag;
 mod events;
 mod gate;
 mod guard;
+mod halls;
 mod hearing;
 mod laboratory;
 mod language;
@@ -41,39 +42,36 @@ use std::sync::Arc;
 
 use axum::Router;
 use axum::http::Request;
+use axum::middleware::from_fn;
 use tokio::sync::{Semaphore, watch};
 
 pub use guard::Hosts;
+pub use halls::{HallDoor, Halls};
 use lines::Lines;
 pub use mqtt::{CarriedConnection, Hall, IncomingConnection};
 pub use serve::{Front, serve};
 pub use tls::{Tls, TlsError};
 
 use crate::access::{Access, Attempts};
-use crate::doors::connection_limits::{ConnectionBudget, StreamQuota};
-use crate::runtime::archive_reader::ArchiveReader;
+use crate::doors::connection_limits::StreamQuota;
 use crate::runtime::clock::Clock;
-use crate::runtime::handle::Handle;
-use crate::runtime::simulator::Simulator;
-use hallsweep_core::settings::Settings;
-use hallsweep_core::state::Participant;
 
 /// Maximum number of open event streams, those of the console included. It is enough for every screen of a site, and
 /// limits the cost that strangers can cause.
 pub const STREAMS: usize = 256;
 
-/// Default distance that people must keep from a bomb, in metres. The settings have the same default.
-const EVACUATION_M: f64 = 100.0;
-
+/// The door as one request uses it: what the process has, and the hall that the request names.
 #[derive(Clone)]
-pub struct HttpDoor {
-    handle: Handle,
-    archive: ArchiveReader,
-    hall: Arc<str>,
+struct HttpDoor {
+    process: Arc<Process>,
+    hall: Arc<HallDoor>,
+}
+
+/// What all halls share.
+#[derive(Clone)]
+struct Process {
     streams: StreamQuota,
     laboratory: laboratory::Laboratory,
-    map_files: map_files::MapFiles,
-    reports: reports::Reports,
     closing: watch::Sender<bool>,
     clock: Clock,
     access: Access,
@@ -81,114 +79,24 @@ pub struct HttpDoor {
     strangers: Arc<Lines>,
     cookie: Arc<str>,
     mqtt: Option<Hall>,
-    /// Side length of a cell in metres, if it is known.
-    cell_m: Option<f64>,
-    /// Whether the positions on the map come from driving times alone, without measured distances.
-    is_reckoned: bool,
-    /// Distance from a bomb that people must keep, in metres.
-    evacuation_m: f64,
-    robots: Arc<[Participant]>,
-    began: Arc<console::Began>,
-    timelines: Arc<console::Timelines>,
-    /// Settings of the mission. They contain the temperature threshold.
-    settings: Settings,
-    /// The simulator, if the searching robot is simulated.
-    simulator: Option<Arc<dyn Simulator>>,
     /// Has one permit, so that uploaded halls are read one after the other (safety S7).
-    halls: Arc<Semaphore>,
+    uploads: Arc<Semaphore>,
 }
 
-impl HttpDoor {
-    /// Creates the door. `hall` is the name of the hall on the page, unless a simulator reports another name.
-    pub fn new(handle: Handle, archive: ArchiveReader, hall: &str, access: Access) -> HttpDoor {
-        HttpDoor {
-            handle,
-            archive,
-            hall: Arc::from(hall),
+impl Process {
+    fn new(access: Access, mqtt: Option<Hall>) -> Process {
+        Process {
             streams: StreamQuota::new(STREAMS),
             laboratory: laboratory::Laboratory::default(),
-            map_files: map_files::MapFiles::default(),
-            reports: reports::Reports::default(),
             closing: watch::Sender::new(false),
             clock: Clock::default(),
             access,
             attempts: Arc::default(),
             strangers: Arc::default(),
             cookie: sign_in::cookie_name(0),
-            mqtt: None,
-            cell_m: None,
-            is_reckoned: false,
-            evacuation_m: EVACUATION_M,
-            robots: Arc::default(),
-            began: Arc::default(),
-            timelines: Arc::default(),
-            settings: Settings::default(),
-            simulator: None,
-            halls: Arc::new(Semaphore::new(1)),
+            mqtt,
+            uploads: Arc::new(Semaphore::new(1)),
         }
-    }
-
-    pub fn with_simulator(self, simulator: Option<Arc<dyn Simulator>>) -> HttpDoor {
-        HttpDoor { simulator, ..self }
-    }
-
-    /// Returns the name of the hall, and the side length of its cells in metres if it is known.
-    fn hall(&self) -> (Arc<str>, Option<f64>) {
-        match &self.simulator {
-            Some(simulator) => {
-                let state = simulator.watch();
-                let hall = &state.borrow().hall;
-                (Arc::clone(&hall.name), Some(hall.cell_m))
-            }
-            None => (Arc::clone(&self.hall), self.cell_m),
-        }
-    }
-
-    pub fn with_mqtt(self, mqtt: Option<Hall>) -> HttpDoor {
-        HttpDoor { mqtt, ..self }
-    }
-
-    /// Returns the door for this port. The port becomes part of the cookie's name. Browsers ignore ports, so several
-    /// instances on one host would otherwise share a cookie.
-    fn at(self, port: u16) -> HttpDoor {
-        HttpDoor { cookie: sign_in::cookie_name(port), ..self }
-    }
-
-    fn with_streams(self, budget: ConnectionBudget) -> HttpDoor {
-        HttpDoor { streams: StreamQuota::new(budget.scaled(STREAMS)), ..self }
-    }
-
-    fn cookie(&self) -> &str {
-        &self.cookie
-    }
-
-    /// Sets the side length of the hall's cells in metres, if it is known.
-    pub fn with_cells_of(self, cell_m: Option<f64>) -> HttpDoor {
-        HttpDoor { cell_m, ..self }
-    }
-
-    /// Sets whether the robot knows its position from driving times alone.
-    pub fn with_reckoning(self, is_reckoned: bool) -> HttpDoor {
-        HttpDoor { is_reckoned, ..self }
-    }
-
-    /// Sets the distance that people must keep from a bomb, in metres.
-    pub fn with_evacuation_of(self, evacuation_m: f64) -> HttpDoor {
-        HttpDoor { evacuation_m, ..self }
-    }
-
-    /// Sets the robots. The searching robot is the first one.
-    pub fn with_robots(self, robots: Arc<[Participant]>) -> HttpDoor {
-        HttpDoor { robots, ..self }
-    }
-
-    pub fn with_settings(self, settings: Settings) -> HttpDoor {
-        HttpDoor { settings, ..self }
-    }
-
-    /// Ends all open streams at once. A stream that is opened later also ends at once.
-    pub fn close(&self) {
-        self.closing.send_replace(true);
     }
 }
 
@@ -199,7 +107,10 @@ pub fn coming_from<B>(mut request: Request<B>, address: IpAddr, is_encrypted: bo
     request
 }
 
-/// Returns all routes behind the guard. Every request must contain its `Peer`, as `coming_from` stores it.
-pub fn router(door: &HttpDoor, hosts: Hosts) -> Router {
-    guard::guarded(routes::routes(door), hosts, door)
+/// Returns all routes behind the guard, for all halls. Every request must contain its `Peer`, as `coming_from` stores
+/// it.
+pub fn router(halls: &Halls, hosts: Hosts) -> Router {
+    let routes = guard::guarded(routes::routes(halls), hosts, halls);
+    // A layer of a router runs after the route is found, and the layer here decides which path is looked for.
+    Router::new().fallback_service(routes).layer(from_fn(halls::enter))
 }

@@ -9,9 +9,9 @@ use std::sync::Arc;
 use std::task::{Context, Poll};
 use std::time::Duration;
 
+use axum::extract::Request;
 use axum::extract::ws::rejection::WebSocketUpgradeRejection;
 use axum::extract::ws::{Message, WebSocket, WebSocketUpgrade};
-use axum::extract::{Request, State};
 use axum::http::HeaderMap;
 use axum::response::{IntoResponse, Response};
 use bytes::BytesMut;
@@ -108,20 +108,20 @@ impl fmt::Debug for Hall {
 /// `GET mqtt`: opens a WebSocket. Browsers also let pages of other origins open a WebSocket, and send the cookies
 /// along. Such requests are refused here, as a POST from another origin would be.
 pub(super) async fn mqtt(
-    State(door): State<HttpDoor>,
+    door: HttpDoor,
     peer: Peer,
     caller: Result<LetIn, Problem>,
     headers: HeaderMap,
     upgrade: Result<WebSocketUpgrade, WebSocketUpgradeRejection>,
     request: Request,
 ) -> Result<Response, Problem> {
-    let Some(Hall { receive, leaving }) = door.mqtt.clone() else {
+    let Some(Hall { receive, leaving }) = door.process.mqtt.clone() else {
         return Err(Problem::not_found(
             "hallsweep runs no MQTT broker: mqtt.bind is none, or mqtt.broker names another broker".to_owned(),
         ));
     };
     if is_foreign(&headers) {
-        door.note_unrecorded(peer, request.method(), request.uri().path(), "a page of another origin sent the request");
+        door.process.note_unrecorded(peer, request.method(), request.uri().path(), "a page of another origin sent the request");
         return Err(Problem::foreign(
             "a page of another origin opened this: hallsweep accepts MQTT only from its own page and from programs".into(),
         ));
@@ -132,7 +132,7 @@ pub(super) async fn mqtt(
     if upgrade.selected_protocol().is_none() {
         return Err(unspoken());
     }
-    let (access, caller) = (door.access.clone(), caller.ok().map(|LetIn(caller)| caller));
+    let (access, caller) = (door.process.access.clone(), caller.ok().map(|LetIn(caller)| caller));
     let upgrade = upgrade.read_buffer_size(READ).max_message_size(LONGEST).max_frame_size(LONGEST);
     let upgrade = upgrade.write_buffer_size(BETWEEN).max_write_buffer_size(UNREAD);
     Ok(upgrade

@@ -5,20 +5,31 @@ use axum::body::{Body, HttpBody, to_bytes};
 use axum::extract::Request;
 use axum::http::{HeaderValue, header};
 use axum::middleware::Next;
-use axum::response::Response;
+use axum::response::{IntoResponse, Response};
+
+use super::halls::Entered;
+use super::problem::Problem;
 
 /// Tag after which the `<base>` of a page is inserted. Templates use addresses relative to the root.
 const HEAD: &str = "<head>";
+
+/// Pages of the process. Their cookies are for the folder that the page is in, so no hall has such pages of its own.
+const OF_THE_PROCESS: [&str; 2] = ["/sign-in", "/sign-out"];
 
 /// Maximum length in bytes of the path to return to after signing in.
 pub(super) const LONGEST_PATH: usize = 512;
 
 pub(super) async fn relative(request: Request, next: Next) -> Response {
-    let root = root(request.uri().path());
+    let Some(Entered { path, hall }) = request.extensions().get().cloned() else { return Problem::internal().into_response() };
+    let process = root(&path);
+    let root = hall.map_or_else(|| process.clone(), |hall| format!("{process}halls/{hall}/"));
     let mut response = next.run(request).await;
     let headers = response.headers_mut();
-    let leads = headers.get(header::LOCATION).and_then(|to| to.to_str().ok()?.strip_prefix('/'));
-    if let Some(leads) = leads.and_then(|path| HeaderValue::from_str(&format!("{root}{path}")).ok()) {
+    let leads = headers.get(header::LOCATION).and_then(|to| to.to_str().ok()?.strip_prefix('/')).map(|path| {
+        let root = if is_of_the_process(&format!("/{path}")) { &process } else { &root };
+        HeaderValue::from_str(&format!("{root}{path}"))
+    });
+    if let Some(Ok(leads)) = leads {
         headers.insert(header::LOCATION, leads);
     }
     // A report is sent as a stream and contains no addresses, so it is not changed.
@@ -31,6 +42,10 @@ pub(super) async fn relative(request: Request, next: Next) -> Response {
     let page = to_bytes(body, usize::MAX).await.expect("a page is in memory");
     let page = String::from_utf8_lossy(&page).replacen(HEAD, &format!("{HEAD}\n  <base href=\"{root}\">"), 1);
     Response::from_parts(parts, Body::from(page))
+}
+
+pub(super) fn is_of_the_process(path: &str) -> bool {
+    OF_THE_PROCESS.contains(&path.split('?').next().unwrap_or_default())
 }
 
 /// Returns the relative path from a page to the root. It is never empty: otherwise the text after it could be read as

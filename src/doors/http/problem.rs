@@ -39,6 +39,12 @@ impl Problem {
         Problem::new(("notSignedIn", ProblemKind::NotSignedIn), detail)
     }
 
+    /// The same bytes for a hall that does not exist and for a hall that this key does not see.
+    pub(super) fn no_hall() -> Problem {
+        let detail = "there is no hall of this name, or this key does not see it: /api/v1/halls lists the halls that it sees";
+        Problem::new(("noHall", ProblemKind::NotFound), detail.to_owned())
+    }
+
     pub(super) const fn foreign(detail: String) -> Problem {
         Problem::new(("foreignOrigin", ProblemKind::Forbidden), detail)
     }

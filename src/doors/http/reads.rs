@@ -3,7 +3,6 @@
 use std::convert::identity;
 use std::sync::Arc;
 
-use axum::extract::State;
 use axum::http::{HeaderMap, HeaderValue, header};
 use axum::response::{IntoResponse, Redirect, Response};
 
@@ -36,7 +35,7 @@ pub(super) fn resource(row: &ResourceRow, door: &HttpDoor, headers: &HeaderMap) 
     let Some((form, _, media_type, word)) = FORMS.into_iter().find(|(_, accepted, ..)| Some(*accepted) == wanted) else {
         return Err(Problem::not_acceptable(format!("the {} is available as {}", row.name, offers.join(" and as "))));
     };
-    let snapshot = door.handle.snapshot();
+    let snapshot = door.hall.handle.snapshot();
     let tag = tag(&snapshot.run, row.kind.revision(&snapshot), word);
     let body = || row.kind.written(0, form, &snapshot, identity);
     let mut response = conditional(headers, &tag, || ([(header::CONTENT_TYPE, media_type)], body()).into_response());
@@ -47,15 +46,15 @@ pub(super) fn resource(row: &ResourceRow, door: &HttpDoor, headers: &HeaderMap) 
 }
 
 /// `GET robots`: the robots of the state, each with its settings, which no snapshot contains.
-pub(super) async fn robots(State(door): State<HttpDoor>, headers: HeaderMap) -> Response {
-    let snapshot = door.handle.snapshot();
-    let robots = state::robots(&snapshot).into_iter().map(|robot| RobotBySettingsJson::new(robot, &door.robots));
+pub(super) async fn robots(door: HttpDoor, headers: HeaderMap) -> Response {
+    let snapshot = door.hall.handle.snapshot();
+    let robots = state::robots(&snapshot).into_iter().map(|robot| RobotBySettingsJson::new(robot, &door.hall.robots));
     let tag = tag(&snapshot.run, ResourceKind::State.revision(&snapshot), "robots");
     conditional(&headers, &tag, || axum::Json(robots.collect::<Vec<_>>()).into_response())
 }
 
-pub(super) async fn luggage(State(door): State<HttpDoor>, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
-    let snapshot = door.handle.snapshot();
+pub(super) async fn luggage(door: HttpDoor, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
+    let snapshot = door.hall.handle.snapshot();
     let luggage = record(&door, &snapshot, id).await?;
     let tag = tag(&snapshot.run, ResourceKind::Piece.revision(&snapshot), "json");
     let json = || match snapshot.luggage(luggage.id) {
@@ -68,20 +67,15 @@ pub(super) async fn luggage(State(door): State<HttpDoor>, Number(id): Number, he
 
 /// `GET luggage/{id}/photo`: the newest photo of a piece, or an earlier one with a query such as `?take=1`. A browser
 /// that opens the photo alone is redirected to the photo's page, because a picture alone has no STOP.
-pub(super) async fn photo(
-    State(door): State<HttpDoor>,
-    Number(id): Number,
-    query: Query,
-    headers: HeaderMap,
-) -> Result<Response, Problem> {
+pub(super) async fn photo(door: HttpDoor, Number(id): Number, query: Query, headers: HeaderMap) -> Result<Response, Problem> {
     let asked = asked_take(&query)?;
     if preferred(&headers, &["image/*", "text/html"]) == Some("text/html") {
         let take = asked.map_or_else(String::new, |take| format!("?take={take}"));
         return Ok(([(header::VARY, "accept")], Redirect::to(&format!("/luggage/{id}{take}"))).into_response());
     }
-    let snapshot = door.handle.snapshot();
+    let snapshot = door.hall.handle.snapshot();
     let take = taken(&*record(&door, &snapshot, id).await?, asked)?;
-    let kept = door.archive.look_up(move |archive| Ok(archive.take(LuggageId(id), take)?)).await?;
+    let kept = door.hall.archive.look_up(move |archive| Ok(archive.take(LuggageId(id), take)?)).await?;
     let photo = kept.ok_or(NoPhoto::NotKept(LuggageId(id)))?;
     let tag = tag(&snapshot.run, format_args!("{id}.{take}"), "photo");
     let bytes = axum::body::Bytes::from_owner(photo.bytes);
@@ -104,9 +98,9 @@ pub(super) fn taken(luggage: &Luggage, asked: Option<u64>) -> Result<u32, NoPhot
 }
 
 /// `GET /healthz`: answers `ok` and the revision while the mission's loop runs.
-pub(super) async fn health(State(door): State<HttpDoor>) -> Result<String, Problem> {
-    match door.handle.watch().has_changed() {
-        Ok(_) => Ok(format!("ok {}\n", door.handle.snapshot().revision)),
+pub(super) async fn health(door: HttpDoor) -> Result<String, Problem> {
+    match door.hall.handle.watch().has_changed() {
+        Ok(_) => Ok(format!("ok {}\n", door.hall.handle.snapshot().revision)),
         Err(_) => Err(Problem::closing()),
     }
 }
@@ -115,7 +109,7 @@ pub(super) async fn record(door: &HttpDoor, snapshot: &Snapshot, id: u64) -> Res
     if let Some(luggage) = snapshot.luggage(LuggageId(id)) {
         return Ok(Arc::clone(luggage));
     }
-    let kept = door.archive.look_up(move |archive| archive.luggage(LuggageId(id))).await?.map(Arc::new);
+    let kept = door.hall.archive.look_up(move |archive| archive.luggage(LuggageId(id))).await?.map(Arc::new);
     kept.ok_or_else(|| Problem::no_luggage(id))
 }
 
@@ -155,7 +149,7 @@ mod tests {
     async fn the_robots_are_there_with_what_is_set_of_them_and_what_is_replaced() {
         let mut app = app(searching());
         let (kind, address) = ("virtual-tcp".into(), Some("localhost:8999".into()));
-        app.door = app.door.with_robots([Participant { name: "discovery".into(), kind, address }].into());
+        app.hall_mut().robots = [Participant { name: "discovery".into(), kind, address }].into();
         let mut snapshot = Snapshot::clone(&app.publish.borrow());
         let mut robots = snapshot.robots.to_vec();
         robots[0].parts = Some(Parts::of(&[Part::Base, Part::Bump, Part::Sonar]));

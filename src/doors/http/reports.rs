@@ -6,7 +6,6 @@ use std::io::{self, BufWriter, Write};
 use std::time::Duration;
 
 use axum::body::{Body, Bytes};
-use axum::extract::State;
 use axum::http::{StatusCode, header};
 use axum::response::{IntoResponse, Response};
 use futures_util::{StreamExt, stream};
@@ -47,7 +46,7 @@ impl Default for Reports {
 }
 
 pub(super) async fn report(
-    State(door): State<HttpDoor>,
+    door: HttpDoor,
     LetIn(caller): LetIn,
     Spoken(language): Spoken,
     Number(id): Number,
@@ -62,19 +61,14 @@ pub(super) async fn report(
     .await
 }
 
-pub(super) async fn lines(
-    State(door): State<HttpDoor>,
-    LetIn(caller): LetIn,
-    Number(id): Number,
-    query: Query,
-) -> Result<Response, Problem> {
+pub(super) async fn lines(door: HttpDoor, LetIn(caller): LetIn, Number(id): Number, query: Query) -> Result<Response, Problem> {
     query.only(&[])?;
     let name = format!("hallsweep-mission-{id}.jsonl");
     send(door, &caller, id, "application/jsonl", name, list::write_lines).await
 }
 
 pub(super) async fn table(
-    State(door): State<HttpDoor>,
+    door: HttpDoor,
     LetIn(caller): LetIn,
     Spoken(language): Spoken,
     Number(id): Number,
@@ -103,16 +97,16 @@ async fn send(
     write: impl FnOnce(&dyn Archive, MissionId, &mut dyn Write) -> Result<(), Failure> + Send + 'static,
 ) -> Result<Response, Problem> {
     let mission = MissionId(id);
-    door.archive.look_up(move |archive| archive.mission(mission)).await?.ok_or_else(|| unknown(id))?;
-    let is_kept = door.archive.look_up(move |archive| archive.timeline(mission, Span::after(Seq(0)), 1)).await?;
+    door.hall.archive.look_up(move |archive| archive.mission(mission)).await?.ok_or_else(|| unknown(id))?;
+    let is_kept = door.hall.archive.look_up(move |archive| archive.timeline(mission, Span::after(Seq(0)), 1)).await?;
     if is_kept.is_empty() {
         return Err(Problem::not_found(format!("mission {id} has no stored entry any more")));
     }
-    let place = door.reports.0.take(door.access.key_of(caller)).map_err(Problem::too_many_reports)?;
+    let place = door.hall.reports.0.take(door.process.access.key_of(caller)).map_err(Problem::too_many_reports)?;
     let (parts, to_be_sent) = mpsc::channel(AHEAD);
     let (sent, mut written) = mpsc::channel(1);
     tokio::spawn(hand_on(to_be_sent, sent));
-    let archive = door.archive.archive();
+    let archive = door.hall.archive.archive();
     tokio::task::spawn_blocking(move || {
         let mut out = BufWriter::with_capacity(CHUNK, Pipe(parts.clone()));
         let ended = write(&*archive, mission, &mut out).and_then(|()| Ok(out.flush()?));

@@ -6,7 +6,6 @@
 use std::borrow::Cow;
 
 use axum::Router;
-use axum::extract::State;
 use axum::handler::Handler;
 use axum::http::{HeaderMap, Method};
 use axum::middleware::from_fn_with_state;
@@ -15,8 +14,8 @@ use axum::routing::{MethodFilter, MethodRouter, on};
 use super::gate::{Gate, gate};
 use super::reading::Number;
 use super::{
-    HttpDoor, assets, command, console, events, laboratory, language, map_files, metrics, missions, mqtt, old, openapi, problem,
-    reads, reports, sign_in, simulator,
+    Halls, HttpDoor, assets, command, console, events, laboratory, language, map_files, metrics, missions, mqtt, old, openapi,
+    problem, reads, reports, sign_in, simulator,
 };
 use crate::access::Need;
 use crate::access::Need::{Act, Nothing, See, Stop};
@@ -32,7 +31,7 @@ pub(super) struct RouteRow {
     /// The path, in the notation of axum.
     pub(super) path: Cow<'static, str>,
     pub(super) need: Need,
-    answers: MethodRouter<HttpDoor>,
+    answers: MethodRouter,
 }
 
 /// Returns all routes. Everyone who is signed in may send STOP. A `move` may be a STOP; all other moves require an
@@ -95,7 +94,7 @@ fn resources() -> Vec<RouteRow> {
             ResourceKind::Photo => get(path, See, reads::photo),
             ResourceKind::Piece => get(path, See, reads::luggage),
             ResourceKind::State | ResourceKind::Strategy | ResourceKind::Of(_) => {
-                get(path, See, async |State(door): State<HttpDoor>, headers: HeaderMap| reads::resource(row, &door, &headers))
+                get(path, See, async move |door: HttpDoor, headers: HeaderMap| reads::resource(row, &door, &headers))
             }
         }
     };
@@ -104,7 +103,7 @@ fn resources() -> Vec<RouteRow> {
 
 fn files_of_the_map() -> Vec<RouteRow> {
     let row = |row: &'static files::MapFileRow| {
-        get(format!("/api/v1/map/{}", row.name), See, async move |State(door): State<HttpDoor>, headers: HeaderMap| {
+        get(format!("/api/v1/map/{}", row.name), See, async move |door: HttpDoor, headers: HeaderMap| {
             map_files::map_file(row, &door, &headers).await
         })
     };
@@ -223,33 +222,31 @@ fn old_console() -> Vec<RouteRow> {
     posts.map(|word| post(format!("/{word}"), need(word), old::give)).collect()
 }
 
-pub(super) fn routes(door: &HttpDoor) -> Router {
-    let gated = |need| from_fn_with_state(Gate::new(door.clone(), need), gate);
+pub(super) fn routes(halls: &Halls) -> Router {
+    let gated = |need| from_fn_with_state(Gate::new(halls.clone(), need), gate);
     let (open, guarded): (Vec<RouteRow>, Vec<RouteRow>) = table().into_iter().partition(|row| row.need == Nothing);
     // For routes that require no right, everyone gets status 405 for a wrong method. For all other routes, only
     // senders who may look get this status. A row that answers wrong methods itself keeps its own answer.
-    let with = |router: Router<HttpDoor>, rows: Vec<RouteRow>, need| {
-        let route = |router: Router<HttpDoor>, row: RouteRow| router.route(&row.path, row.answers.layer(gated(row.need)));
+    let with = |router: Router, rows: Vec<RouteRow>, need| {
+        let route = |router: Router, row: RouteRow| router.route(&row.path, row.answers.layer(gated(row.need)));
         rows.into_iter().fold(router, route).method_not_allowed_fallback(problem::no_such_method.layer(gated(need)))
     };
-    with(with(Router::new(), open, Nothing), guarded, See)
-        .fallback(problem::no_such_path.layer(gated(See)))
-        .with_state(door.clone())
+    with(with(Router::new(), open, Nothing), guarded, See).fallback(problem::no_such_path.layer(gated(See)))
 }
 
-fn get<H: Handler<T, HttpDoor>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> RouteRow {
+fn get<H: Handler<T, ()>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> RouteRow {
     RouteRow { method: Method::GET, path: path.into(), need, answers: on(MethodFilter::GET, handler) }
 }
 
-fn post<H: Handler<T, HttpDoor>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> RouteRow {
+fn post<H: Handler<T, ()>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> RouteRow {
     RouteRow { method: Method::POST, path: path.into(), need, answers: on(MethodFilter::POST, handler) }
 }
 
-fn put<H: Handler<T, HttpDoor>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> RouteRow {
+fn put<H: Handler<T, ()>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> RouteRow {
     RouteRow { method: Method::PUT, path: path.into(), need, answers: on(MethodFilter::PUT, handler) }
 }
 
-fn delete<H: Handler<T, HttpDoor>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> RouteRow {
+fn delete<H: Handler<T, ()>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> RouteRow {
     RouteRow { method: Method::DELETE, path: path.into(), need, answers: on(MethodFilter::DELETE, handler) }
 }
 

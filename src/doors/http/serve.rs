@@ -14,7 +14,7 @@ use tokio::task::coop::unconstrained;
 
 use super::hearing::{ServerContext, converse};
 use super::tls::Tls;
-use super::{Hosts, HttpDoor, router};
+use super::{Halls, Hosts, router};
 use crate::doors::connection_limits::{ConnectionBudget, ConnectionSlots, PendingConnections, SLOTS};
 use crate::doors::listeners::Listeners;
 
@@ -48,42 +48,42 @@ pub struct Front {
 
 /// Serves until `shutdown`. Then ends all streams, waits briefly for open requests, and returns even if clients are
 /// still connected. Requests are read on the runtime of the ports, and carried out on the caller's runtime.
-pub async fn serve(listeners: Listeners, door: HttpDoor, front: Front, shutdown: impl Future<Output = ()>) {
-    serve_so_many(listeners, door, front, SLOTS, WAITING, shutdown).await;
+pub async fn serve(listeners: Listeners, halls: Halls, front: Front, shutdown: impl Future<Output = ()>) {
+    serve_so_many(listeners, halls, front, SLOTS, WAITING, shutdown).await;
 }
 
 async fn serve_so_many(
     listeners: Listeners,
-    door: HttpDoor,
+    halls: Halls,
     front: Front,
     slots: usize,
     waiting: usize,
     shutdown: impl Future<Output = ()>,
 ) {
-    if !door.can_date() {
+    if !halls.process.can_date() {
         tracing::error!(
             "the clock of this machine shows a year before 1970: until it is set, hallsweep accepts STOP but serves no page"
         );
     }
-    let door = door.at(listeners.port()).with_streams(front.budget);
+    let halls = halls.at(listeners.port(), front.budget);
     let hosts = Hosts::new(listeners.are_local(), &front.hosts);
     let context = Arc::new(ServerContext {
-        router: router(&door, hosts.clone()),
+        router: router(&halls, hosts.clone()),
         hosts,
         tls: front.tls,
-        slots: ConnectionSlots::new(slots, front.budget, &door.access),
+        slots: ConnectionSlots::new(slots, front.budget, &halls.process.access),
         pending: PendingConnections::new(front.budget.scaled(waiting)),
         lingering: PendingConnections::new(front.budget.scaled(waiting.min(LINGERING))),
         work: Handle::current(),
-        closing: door.closing.subscribe(),
-        door: door.clone(),
+        closing: halls.process.closing.subscribe(),
+        halls: halls.clone(),
     });
     let (end, ended) = oneshot::channel();
     let thread = listeners.thread.clone();
     let mut listening = JoinSet::new();
     listening.spawn_on(listen(listeners, context, ended), &thread);
     shutdown.await;
-    door.close();
+    halls.close();
     // If the receiver is gone, the accept loop and all connections have ended already.
     let _ = end.send(());
     while listening.join_next().await.is_some() {}

@@ -177,13 +177,13 @@ async fn a_stop_halts_behind_more_than_is_ever_answered() {
 async fn what_comes_too_far_ahead_of_its_answers_is_heard_and_not_carried_out() {
     let mut app = app(searching());
     let (commands, mut envelopes) = mpsc::channel(COMMANDS);
-    app.door.handle = Loop::new(commands, app.publish.subscribe(), Halter::new(Epoch(1)));
+    app.hall_mut().handle = Loop::new(commands, app.publish.subscribe(), Halter::new(Epoch(1)));
     let address = served(&app, SLOTS).await;
     let post = |what: &str| press(&format!("/api/v1/commands/{what}"), "", "");
     let looks = 1_000_000 / LOOK.len();
     let mut client = client(address, &[post("start"), LOOK.repeat(looks), post("reset"), post("stop")].concat());
     let halts = async {
-        while app.door.handle.epoch() == Epoch(1) {
+        while app.door.hall.handle.epoch() == Epoch(1) {
             tokio::time::sleep(Duration::from_millis(1)).await;
         }
     };

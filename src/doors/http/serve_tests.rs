@@ -29,10 +29,10 @@ async fn serve_until(
 ) -> (SocketAddr, JoinHandle<()>) {
     let listener = TcpListener::bind("127.0.0.1:0").await.unwrap();
     let address = listener.local_addr().unwrap();
-    let door = app.door.clone();
+    let halls = app.halls();
     let waiting = slots.min(WAITING);
     let serving =
-        tokio::spawn(async move { serve_so_many(listener.into(), door, Front::default(), slots, waiting, shutdown).await });
+        tokio::spawn(async move { serve_so_many(listener.into(), halls, Front::default(), slots, waiting, shutdown).await });
     (address, serving)
 }
 
@@ -78,7 +78,7 @@ async fn stops(app: &TestApp, expect: usize) {
     };
     timeout(Duration::from_secs(30), come).await.unwrap_or_else(|_| panic!("{} of {expect} STOPs came", count()));
     // Commands pass through the loop's queue in order. After this one, no earlier STOP is still in the queue.
-    assert!(app.door.handle.give(Request::new(Command::Reset, Issuer::operator(Door::LOCAL))).await.is_ok());
+    assert!(app.door.hall.handle.give(Request::new(Command::Reset, Issuer::operator(Door::LOCAL))).await.is_ok());
     assert_eq!(count(), expect, "one press is one STOP");
 }
 
@@ -208,7 +208,7 @@ async fn a_connection_that_was_handed_over_is_not_heard_here_and_takes_no_slot()
     let mut app = app(searching());
     let (bring, mut brought) = tokio::sync::mpsc::channel(1);
     let hall = Hall::new(move |visitor| bring.try_send(visitor).expect("there is one"));
-    app.door = app.door.with_mqtt(Some(hall));
+    Arc::make_mut(&mut app.door.process).mqtt = Some(hall);
     let address = served(&app, 1).await;
     let mut carried = client(
         address,
@@ -288,7 +288,7 @@ async fn an_operators_kept_connection_stays_whatever_strangers_and_viewers_send(
 #[tokio::test(flavor = "multi_thread", worker_threads = 2)]
 async fn before_1970_it_is_said_that_the_clock_is_wrong_and_a_stop_halts_all_the_same() {
     let mut app = app(searching());
-    app.door.clock = Clock::off_by(-(app.door.moment().unix_s + 3600) * 1000);
+    Arc::make_mut(&mut app.door.process).clock = Clock::off_by(-(app.door.process.moment().unix_s + 3600) * 1000);
     let address = served(&app, SLOTS).await;
     for (asked, is_stop) in [(LOOK, false), (STOP, true)] {
         let answer = std::io::read_to_string(client(address, asked)).expect("an answer in order");

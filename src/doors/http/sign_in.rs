@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use askama::Template;
-use axum::extract::{Query, State};
+use axum::extract::Query;
 use axum::http::{HeaderMap, HeaderValue, StatusCode, header};
 use axum::response::{Html, IntoResponse, Redirect, Response};
 use serde::Deserialize;
@@ -102,7 +102,7 @@ impl Undone {
 }
 
 pub(super) async fn page(
-    State(door): State<HttpDoor>,
+    door: HttpDoor,
     Spoken(language): Spoken,
     peer: Peer,
     caller: Result<LetIn, super::problem::Problem>,
@@ -111,10 +111,10 @@ pub(super) async fn page(
     let asked = asked.map(|Query(asked)| asked).unwrap_or_default();
     let next = local(asked.next.as_deref());
     let is_in = caller.is_ok();
-    if matches!(door.access, Access::Open) || (is_in && asked.token.is_none()) {
+    if matches!(door.process.access, Access::Open) || (is_in && asked.token.is_none()) {
         return Redirect::to(next).into_response();
     }
-    let why = match &door.access {
+    let why = match &door.process.access {
         Access::Keys(keyring) if keyring.is_unusable() => unusable(language),
         Access::Keys(_) | Access::Open => String::new(),
     };
@@ -123,22 +123,22 @@ pub(super) async fn page(
 }
 
 pub(super) async fn sign_in(
-    State(door): State<HttpDoor>,
+    door: HttpDoor,
     Spoken(language): Spoken,
     peer: Peer,
     caller: Result<LetIn, super::problem::Problem>,
     Form(sent): Form<SignInForm>,
 ) -> Response {
     let next = local(sent.next.as_deref());
-    let Access::Keys(keyring) = &door.access else { return Redirect::to(next).into_response() };
+    let Access::Keys(keyring) = &door.process.access else { return Redirect::to(next).into_response() };
     let (name, here, is_in) = (sent.name.as_str(), sign_in_page(next), caller.is_ok());
     let Some(person) = Person::new(name) else {
         let why_name = language.say("sign-in-name-unusable").with("most", Person::MOST).to_string();
         let page = SignIn { language, token: &sent.token, next, here, name, why_name, is_in, ..SignIn::default() };
         return shown(StatusCode::UNPROCESSABLE_ENTITY, peer, page);
     };
-    let Some(session) = keyring.sign_in(sent.token.trim(), &person, door.moment()) else {
-        door.hold_back(peer).await;
+    let Some(session) = keyring.sign_in(sent.token.trim(), &person, door.process.moment()) else {
+        door.process.hold_back(peer).await;
         let why = if keyring.is_unusable() { unusable(language) } else { language.say("sign-in-unknown").to_string() };
         let page = SignIn { language, next, here, why, name, is_in, ..SignIn::default() };
         return shown(StatusCode::FORBIDDEN, peer, page);
@@ -146,7 +146,7 @@ pub(super) async fn sign_in(
     (cookie(&door, &session, KEPT_S, peer), Redirect::to(next)).into_response()
 }
 
-pub(super) async fn sign_out(State(door): State<HttpDoor>, peer: Peer) -> Response {
+pub(super) async fn sign_out(door: HttpDoor, peer: Peer) -> Response {
     (cookie(&door, "", 0, peer), Redirect::to("/sign-in")).into_response()
 }
 
@@ -182,7 +182,7 @@ fn shown(status: StatusCode, peer: Peer, page: SignIn) -> Response {
 /// the browser sees it. Another hall on the same host then has a cookie of its own.
 fn cookie(door: &HttpDoor, session: &str, kept_s: u64, peer: Peer) -> HeaderMap {
     let secure = if peer.is_encrypted { "; Secure" } else { "" };
-    let cookie = format!("{}={session}; Max-Age={kept_s}; HttpOnly; SameSite=Strict{secure}", door.cookie());
+    let cookie = format!("{}={session}; Max-Age={kept_s}; HttpOnly; SameSite=Strict{secure}", door.process.cookie);
     let cookie = HeaderValue::from_str(&cookie).expect("a session is letters, digits, dots, - and _");
     HeaderMap::from_iter([(header::SET_COOKIE, cookie)])
 }

@@ -71,7 +71,7 @@ async fn whoever_gives_a_name_is_on_record_with_it_beside_the_key() {
 async fn over_tls_the_cookie_is_for_tls_only() {
     let peer = Peer { address: std::net::Ipv4Addr::LOCALHOST.into(), is_encrypted: true };
     let (app, ..) = guarded();
-    assert!(cookie(&sign_out(State(app.door.clone()), peer).await).1.ends_with("; Secure"));
+    assert!(cookie(&sign_out(app.door.clone(), peer).await).1.ends_with("; Secure"));
 }
 
 /// Safety S1.
@@ -227,7 +227,7 @@ async fn an_expired_session_cookie_of_an_earlier_run_is_refused() {
     let app = guarded_app(searching(), Access::Keys(keyring.clone()));
     let earlier_run = Keyring::of((*keyring.keys()).clone()).unwrap();
     for (began_s, status) in [(-SESSION_S + 60, 200), (-SESSION_S, 401), (-2 * SESSION_S, 401)] {
-        let now = app.door.moment();
+        let now = app.door.process.moment();
         let session =
             earlier_run.sign_in(&tokens.operator, &Person::default(), Moment { unix_s: now.unix_s + began_s, ..now }).unwrap();
         let cookie = format!("hallsweep-0={session}");
@@ -246,7 +246,8 @@ async fn however_the_clock_is_set_a_session_stops_the_robot_and_looks_on_for_twe
         let mut app = guarded_app(searching(), Access::Keys(keyring));
         let form = format!("token={}", tokens.viewer);
         let (cookie, _) = cookie(&app.send("POST", "/sign-in", &[FORM], &form).await);
-        app.door.clock = app.door.clock.set_by(set_s * 1000);
+        let process = Arc::make_mut(&mut app.door.process);
+        process.clock = process.clock.set_by(set_s * 1000);
         let stream = app.send("GET", "/console/live", &[("cookie", &cookie)], "").await;
         let mut parts = stream.into_body().into_data_stream();
         let status = async |app: &TestApp| {
@@ -272,13 +273,13 @@ async fn instances_at_several_ports_of_one_host_leave_each_others_sessions_alone
     let form = format!("token={}", tokens.operator);
     let mut jar = String::new();
     for port in [8080, 8081] {
-        app.door = app.door.clone().at(port);
+        Arc::make_mut(&mut app.door.process).cookie = cookie_name(port);
         let (cookie, _) = cookie(&app.send("POST", "/sign-in", &[FORM], &form).await);
         assert!(cookie.starts_with(&format!("hallsweep-{port}=")), "{cookie}");
         jar = format!("{jar}{}{cookie}", if jar.is_empty() { "" } else { "; " });
     }
     for (port, status) in [(8080, 200), (8081, 200), (8082, 401)] {
-        app.door = app.door.clone().at(port);
+        Arc::make_mut(&mut app.door.process).cookie = cookie_name(port);
         assert_eq!(app.send("GET", "/api/v1/state", &[("cookie", &jar)], "").await.status(), status, "{port}");
     }
 }

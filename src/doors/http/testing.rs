@@ -16,7 +16,7 @@ use tower_service::Service;
 
 use super::peer::Peer;
 use super::prefix::root;
-use super::{Hosts, HttpDoor, router};
+use super::{HallDoor, Halls, Hosts, HttpDoor, router};
 use crate::access::{Access, Keyring, Keys, OPERATOR, Role};
 use crate::api::tests::fixture::exported;
 use crate::runtime::archive::{At, Happened, MissionRecord, NoTake, PastMoment, Sound, Unreadable};
@@ -27,6 +27,7 @@ use crate::runtime::tests::partial_archive::PartialArchive;
 use crate::runtime::tests::within::within;
 use hallsweep_core::command;
 use hallsweep_core::event::Photo;
+use hallsweep_core::hall::HallId;
 use hallsweep_core::refused::Refused;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::state::PersistentState;
@@ -107,7 +108,8 @@ pub(super) fn app(snapshot: Snapshot) -> TestApp {
 
 pub(super) fn guarded_app(snapshot: Snapshot, access: Access) -> TestApp {
     let (handle, Script { publish, refuse, given, noted }) = obedient(snapshot);
-    let door = HttpDoor::new(handle, ArchiveReader::new(Arc::new(Pictures)), "airport", access);
+    let hall = HallDoor::new(handle, ArchiveReader::new(Arc::new(Pictures)), "airport");
+    let door = Halls::new(main_hall(), hall, access, None).default();
     TestApp { door, publish, refuse, given, noted }
 }
 
@@ -124,7 +126,21 @@ pub(super) fn keys() -> (Keyring, Tokens) {
     (Keyring::of(keys).unwrap(), Tokens { operator, viewer })
 }
 
+/// Name of the default hall.
+fn main_hall() -> HallId {
+    HallId::new("main").expect("a plain name")
+}
+
 impl TestApp {
+    pub(super) fn halls(&self) -> Halls {
+        Halls::of(self.door.clone(), main_hall())
+    }
+
+    /// Fails if the door was cloned before.
+    pub(super) fn hall_mut(&mut self) -> &mut HallDoor {
+        Arc::get_mut(&mut self.door.hall).expect("nobody else has this hall")
+    }
+
     pub(super) async fn send(&self, method: &str, path: &str, headers: &[(&str, &str)], body: &str) -> Response<Body> {
         let mut request = Request::builder().method(method).uri(path);
         if !headers.iter().any(|(name, _)| *name == "host") {
@@ -135,7 +151,7 @@ impl TestApp {
         }
         let peer = Peer { address: Ipv4Addr::LOCALHOST.into(), is_encrypted: false };
         let request = request.extension(peer).body(Body::from(body.to_owned())).unwrap();
-        let mut router: Router = router(&self.door, Hosts::new(false, &[]));
+        let mut router: Router = router(&self.halls(), Hosts::new(false, &[]));
         within("the head of the answer", router.call(request)).await.unwrap()
     }
 

@@ -33,10 +33,15 @@ pub(super) enum Wake {
 
 impl Watcher {
     pub(super) fn open(door: &HttpDoor, caller: Caller) -> Result<(Watcher, Arc<Snapshot>), Problem> {
-        let stream = door.streams.open(&caller, &door.access).ok_or_else(|| Problem::too_many_streams(door.streams.most()))?;
-        let mut snapshots = door.handle.watch();
+        let stream = door
+            .process
+            .streams
+            .open(&caller, &door.process.access)
+            .ok_or_else(|| Problem::too_many_streams(door.process.streams.most()))?;
+        let mut snapshots = door.hall.handle.watch();
         let first = Arc::clone(&snapshots.borrow_and_update());
-        let watcher = Watcher { snapshots, closing: door.closing.subscribe(), door: door.clone(), caller, _stream: stream };
+        let watcher =
+            Watcher { snapshots, closing: door.process.closing.subscribe(), door: door.clone(), caller, _stream: stream };
         Ok((watcher, first))
     }
 
@@ -50,7 +55,7 @@ impl Watcher {
         };
         // The reader is no longer admitted when the key was replaced or removed, or when the session has ended.
         let shut_out = async {
-            while door.still_knows(caller) {
+            while door.process.still_knows(caller) {
                 tokio::time::sleep(STILL_KNOWN).await;
             }
         };

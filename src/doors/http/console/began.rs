@@ -25,9 +25,9 @@ struct Lookup {
 
 /// Returns when this mission began. Returns `None` before the first mission, and while the record cannot be read.
 pub(super) async fn began(door: &HttpDoor, mission: MissionId) -> Option<WallTime> {
-    let now = door.clock.now().since_start;
+    let now = door.process.clock.now().since_start;
     let known = {
-        let mut known = door.began.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut known = door.hall.began.0.lock().unwrap_or_else(PoisonError::into_inner);
         if known.mission != mission {
             *known = Lookup { mission, ..Lookup::default() };
         }
@@ -36,9 +36,9 @@ pub(super) async fn began(door: &HttpDoor, mission: MissionId) -> Option<WallTim
             return known.began;
         }
         known.asked = Some(now);
-        &door.began.0
+        &door.hall.began.0
     };
-    let found = tokio::time::timeout(PATIENCE, door.archive.look_up(move |archive| archive.mission(mission)));
+    let found = tokio::time::timeout(PATIENCE, door.hall.archive.look_up(move |archive| archive.mission(mission)));
     let began = found.await.ok()?.ok()??.began;
     let mut known = known.lock().unwrap_or_else(PoisonError::into_inner);
     if known.mission == mission {

@@ -7,7 +7,6 @@ use std::convert::Infallible;
 use std::sync::Arc;
 use std::time::Duration;
 
-use axum::extract::State;
 use axum::response::sse::{Event, Sse};
 use axum::response::{IntoResponse, Response};
 use futures_util::stream;
@@ -65,7 +64,7 @@ struct ShownLine {
     growing: u64,
 }
 
-pub(in crate::doors::http) async fn live(State(door): State<HttpDoor>, to: PageReader) -> Result<Response, Problem> {
+pub(in crate::doors::http) async fn live(door: HttpDoor, to: PageReader) -> Result<Response, Problem> {
     let PageReader { caller, language } = to;
     let who = who(&door, &caller);
     let (watcher, snapshot) = Watcher::open(&door, caller)?;
@@ -90,7 +89,7 @@ pub(in crate::doors::http) async fn live(State(door): State<HttpDoor>, to: PageR
 async fn changed(door: &HttpDoor, shown: &mut Shown, snapshot: Arc<Snapshot>, who: Option<Who>, language: Language) -> Message {
     let mission = snapshot.mission.id;
     let (began, line) = (began::began(door, mission).await, Timelines::of(door, mission, language).await);
-    let (hall, now) = (HallInfo::of(door), door.clock.now().wall);
+    let (hall, now) = (HallInfo::of(door), door.process.clock.now().wall);
     let line = Some(&*line);
     shown.update(&snapshot, &View { snapshot: &snapshot, hall, began, who, language, why: None, now, line, then: None })
 }

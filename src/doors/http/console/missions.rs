@@ -3,7 +3,6 @@
 //! script.
 
 use askama::Template;
-use axum::extract::State;
 use axum::response::Html;
 
 use super::super::HttpDoor;
@@ -32,19 +31,19 @@ use hallsweep_core::world::luggage::Luggage;
 const EVENTS: u64 = 200;
 
 pub(in crate::doors::http) async fn list(
-    State(door): State<HttpDoor>,
+    door: HttpDoor,
     Spoken(language): Spoken,
     query: Query,
 ) -> Result<Html<String>, Problem> {
     query.only(&["before"])?;
     let before = before(&query)?;
     let (missions, next) = newest(&door, before, MISSIONS).await?;
-    let zone = Zone::of(door.clock.now().wall);
+    let zone = Zone::of(door.process.clock.now().wall);
     Ok(html(&List { language, missions, before, next, zone }))
 }
 
 pub(in crate::doors::http) async fn one(
-    State(door): State<HttpDoor>,
+    door: HttpDoor,
     Spoken(language): Spoken,
     Number(id): Number,
     query: Query,
@@ -57,7 +56,7 @@ pub(in crate::doors::http) async fn one(
         Show::Commands => wanted(&door, id, after, EVENTS, |fact| matches!(fact, Fact::Command { .. })).await?,
         Show::All => happened(&door, id, after, EVENTS).await?,
     };
-    let zone = Zone::of(door.clock.now().wall);
+    let zone = Zone::of(door.process.clock.now().wall);
     let fetched = [PhaseName::Retrieving, PhaseName::BagSecured].iter().any(|phase| phase.name() == &*record.phase);
     let has_retrieval = fetched || state.as_ref().is_some_and(|state| state.retrieval.is_some());
     Ok(html(&One { language, record, state, has_retrieval, damage, show, after, events, next, zone }))
@@ -65,7 +64,7 @@ pub(in crate::doors::http) async fn one(
 
 /// The receipts of a mission, to be printed and signed.
 pub(in crate::doors::http) async fn receipts(
-    State(door): State<HttpDoor>,
+    door: HttpDoor,
     PageReader { caller, language, .. }: PageReader,
     Number(id): Number,
     query: Query,
@@ -73,8 +72,8 @@ pub(in crate::doors::http) async fn receipts(
     query.only(&["after"])?;
     let after = after(&query)?;
     let (receipts, next) = of_these(&door, id, after, RECEIPTS, Receipt::all).await?;
-    let (mission, zone) = (MissionId(id), Zone::of(door.clock.now().wall));
-    let present = &door.handle.snapshot().mission;
+    let (mission, zone) = (MissionId(id), Zone::of(door.process.clock.now().wall));
+    let present = &door.hall.handle.snapshot().mission;
     let may_hand_over = caller.may(Need::Act).is_ok() && present.is_under_way() && present.id == mission;
     Ok(html(&Receipts { language, mission, after, receipts, next, zone, may_hand_over }))
 }

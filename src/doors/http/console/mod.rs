@@ -25,8 +25,8 @@ mod timeline;
 mod view;
 
 use askama::Template;
+use axum::extract::Query;
 use axum::extract::rejection::QueryRejection;
-use axum::extract::{Query, State};
 use axum::http::{HeaderMap, HeaderValue, Uri, header};
 use axum::response::{Html, IntoResponse, Redirect, Response};
 
@@ -63,23 +63,23 @@ pub(super) async fn refused_page(door: &HttpDoor, to: &PageReader, button: &str,
 }
 
 /// `GET /`. With `?tab=drive` the tab *Drive* is open at first.
-pub(super) async fn page(State(door): State<HttpDoor>, to: PageReader, query: super::query::Query) -> Html<String> {
+pub(super) async fn page(door: HttpDoor, to: PageReader, query: super::query::Query) -> Html<String> {
     let opened = query.every("tab").first().map(|tab| Why::new(tab, ""));
     whole(&door, &to, opened).await
 }
 
 /// `GET console/bar`: the status bar with the state of the hall, for all pages except the console. The console gets
 /// its bar by its stream.
-pub(super) async fn bar(State(door): State<HttpDoor>, Spoken(language): Spoken) -> Html<String> {
-    let (snapshot, hall, now) = (door.handle.snapshot(), HallInfo::of(&door), door.clock.now().wall);
+pub(super) async fn bar(door: HttpDoor, Spoken(language): Spoken) -> Html<String> {
+    let (snapshot, hall, now) = (door.hall.handle.snapshot(), HallInfo::of(&door), door.process.clock.now().wall);
     let view = View { snapshot: &snapshot, hall, began: None, who: None, language, why: None, now, line: None, then: None };
     html(&parts::Elsewhere { v: &view })
 }
 
 /// `GET console/coverage`: how well each cell was searched, as a part of the picture of the hall. The page asks for it only
 /// while it is shown, because it is large.
-pub(super) async fn coverage(State(door): State<HttpDoor>) -> Html<String> {
-    let snapshot = door.handle.snapshot();
+pub(super) async fn coverage(door: HttpDoor) -> Html<String> {
+    let snapshot = door.hall.handle.snapshot();
     Html(hall::coverage(&snapshot.coverage, snapshot.venue.sensor))
 }
 
@@ -106,7 +106,7 @@ pub(super) async fn stop(sender: CommandSender, headers: HeaderMap) -> Response 
 async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields: &Fields) -> Response {
     let [name, receiver, note, area, open] = fields.stated();
     let done = match fields.command(act) {
-        Ok((Command::CloseArea(_), _)) if has_more_open(&sender.door.handle.snapshot(), &area, &open) => {
+        Ok((Command::CloseArea(_), _)) if has_more_open(&sender.door.hall.handle.snapshot(), &area, &open) => {
             let detail = "more is open in this area than the page has shown: read the figures again, then close the area";
             Err(Problem::new(("moreOpen", ProblemKind::Conflict), detail.to_owned()))
         }
@@ -132,7 +132,7 @@ async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields
             let (door, why) = (&sender.door, problem.in_words(to.language));
             let statement = match act {
                 "close" => Some(close_page(door, to.language, why, [name, note])),
-                "closeArea" => Some(html(&CloseArea::new(to.language, &door.handle.snapshot(), area, why, [name, note]))),
+                "closeArea" => Some(html(&CloseArea::new(to.language, &door.hall.handle.snapshot(), area, why, [name, note]))),
                 "handOver" => Some(hand_over_page(door, to.language, why, [receiver, note])),
                 _ => None,
             };
@@ -153,16 +153,16 @@ async fn answered(sender: &CommandSender, headers: &HeaderMap, act: &str, fields
 /// `GET console/confirm/danger/{id}?note=…`: asks for a confirmation of the verdict DANGER. The note typed beside the
 /// button is kept in the confirmation form.
 pub(super) async fn confirm_danger(
-    State(door): State<HttpDoor>,
+    door: HttpDoor,
     to: PageReader,
     Number(id): Number,
     typed: Result<Query<TypedRemarks>, QueryRejection>,
 ) -> Response {
-    let snapshot = door.handle.snapshot();
+    let snapshot = door.hall.handle.snapshot();
     let (button, problem) =
         match (snapshot.luggage(LuggageId(id)), typed.map_or(Ok((None, Hot::NONE)), |Query(typed)| typed.remarks())) {
             (Some(luggage), Ok((note, hot))) => {
-                return html(&parts::Confirm::danger(to.language, luggage, note, hot, door.settings.rules)).into_response();
+                return html(&parts::Confirm::danger(to.language, luggage, note, hot, door.hall.settings.rules)).into_response();
             }
             (Some(_), Err(problem)) => ("verdict", problem),
             (None, _) => ("page", Problem::no_luggage(id)),
@@ -175,13 +175,13 @@ pub(super) async fn confirm_reset(Spoken(language): Spoken) -> Html<String> {
 }
 
 /// `GET console/confirm/close`: lists what is left open, and asks who closes the mission.
-pub(super) async fn confirm_close(State(door): State<HttpDoor>, Spoken(language): Spoken) -> Html<String> {
+pub(super) async fn confirm_close(door: HttpDoor, Spoken(language): Spoken) -> Html<String> {
     close_page(&door, language, String::new(), Default::default())
 }
 
 /// The page that closes a mission. After a refusal it shows the reason, and keeps what was typed.
 fn close_page(door: &HttpDoor, language: Language, why: String, [name, note]: [String; 2]) -> Html<String> {
-    let snapshot = door.handle.snapshot();
+    let snapshot = door.hall.handle.snapshot();
     let (open, code) = (snapshot.mission.open, snapshot.mission.open.code(snapshot.mission.id));
     let finding = language.finding(&snapshot.luggage);
     html(&parts::CloseMission { language, finding, open, code, why, name, note })
@@ -189,36 +189,36 @@ fn close_page(door: &HttpDoor, language: Language, why: String, [name, note]: [S
 
 /// `GET console/confirm/closeArea?area=…`: says what is open in the area, and asks who closes it.
 pub(super) async fn confirm_close_area(
-    State(door): State<HttpDoor>,
+    door: HttpDoor,
     Spoken(language): Spoken,
     named: Result<Query<Fields>, QueryRejection>,
 ) -> Html<String> {
     let [.., area, _] = named.map_or_else(|_| Fields::default(), |Query(fields)| fields).stated();
-    html(&CloseArea::new(language, &door.handle.snapshot(), area, String::new(), Default::default()))
+    html(&CloseArea::new(language, &door.hall.handle.snapshot(), area, String::new(), Default::default()))
 }
 
 /// `GET console/confirm/handOver`: asks to whom the mission is handed over.
-pub(super) async fn confirm_hand_over(State(door): State<HttpDoor>, Spoken(language): Spoken) -> Html<String> {
+pub(super) async fn confirm_hand_over(door: HttpDoor, Spoken(language): Spoken) -> Html<String> {
     hand_over_page(&door, language, String::new(), Default::default())
 }
 
 /// The page that hands a mission over. After a refusal it shows the reason, and keeps what was typed.
 fn hand_over_page(door: &HttpDoor, language: Language, why: String, [to, note]: [String; 2]) -> Html<String> {
-    let mission = Some(&door.handle.snapshot().mission).filter(|mission| mission.is_under_way()).map(|mission| mission.id);
+    let mission = Some(&door.hall.handle.snapshot().mission).filter(|mission| mission.is_under_way()).map(|mission| mission.id);
     html(&parts::HandOverMission { language, mission, why, to, note })
 }
 
 async fn whole(door: &HttpDoor, to: &PageReader, why: Option<Why>) -> Html<String> {
-    let snapshot = door.handle.snapshot();
+    let snapshot = door.hall.handle.snapshot();
     let began = began::began(door, snapshot.mission.id).await;
     let line = Timelines::of(door, snapshot.mission.id, to.language).await;
-    let (hall, who, now) = (HallInfo::of(door), who(door, &to.caller), door.clock.now().wall);
+    let (hall, who, now) = (HallInfo::of(door), who(door, &to.caller), door.process.clock.now().wall);
     let view = View { snapshot: &snapshot, hall, began, who, language: to.language, why, now, line: Some(&line), then: None };
     html(&ConsolePage::new(&view))
 }
 
 fn who(door: &HttpDoor, caller: &Caller) -> Option<Who> {
-    match door.access {
+    match door.process.access {
         Access::Open => None,
         Access::Keys(_) => Some(Who { name: caller.signature(), role: caller.role() }),
     }

@@ -5,7 +5,6 @@
 use std::sync::Arc;
 
 use axum::Json;
-use axum::extract::State;
 use axum::response::{Html, IntoResponse, Response};
 
 use super::super::HttpDoor;
@@ -27,7 +26,7 @@ use hallsweep_core::units::{MissionId, Seq, WallTime};
 
 /// `GET missions/{id}/moment`: the page after the last entry up to `at`. Without `at` it shows the first entry.
 pub(in crate::doors::http) async fn page(
-    State(door): State<HttpDoor>,
+    door: HttpDoor,
     to: PageReader,
     Number(id): Number,
     query: Query,
@@ -37,17 +36,12 @@ pub(in crate::doors::http) async fn page(
     let [moment] = stood(&door, id, [at]).await?;
     let about = About::of(&door, to, id).await?;
     let page = move || html(&ConsolePage::new(&about.view(&about.looked_at(moment, at))));
-    Ok(door.archive.look_up(move |_| Ok(page())).await?)
+    Ok(door.hall.archive.look_up(move |_| Ok(page())).await?)
 }
 
 /// `GET console/missions/{id}/moment`: the differences between two moments. `from` and `shown` are the entry and the
 /// time that the page shows now. `at` or `time` selects the new moment: the last one up to this entry or time.
-pub(in crate::doors::http) async fn message(
-    State(door): State<HttpDoor>,
-    to: PageReader,
-    Number(id): Number,
-    query: Query,
-) -> Response {
+pub(in crate::doors::http) async fn message(door: HttpDoor, to: PageReader, Number(id): Number, query: Query) -> Response {
     let language = to.language;
     match differs(&door, to, id, &query).await {
         Ok(message) => Json(message).into_response(),
@@ -83,7 +77,7 @@ async fn differs(door: &HttpDoor, to: PageReader, id: u64, query: &Query) -> Res
     };
     // Drawing a large hall takes time. It runs on a thread that no other work waits for (safety S7). Only a few such
     // jobs run at once.
-    Ok(door.archive.look_up(move |_| Ok(message())).await?)
+    Ok(door.hall.archive.look_up(move |_| Ok(message())).await?)
 }
 
 struct About {
@@ -97,7 +91,7 @@ struct About {
 
 impl About {
     async fn of(door: &HttpDoor, PageReader { caller, language }: PageReader, id: u64) -> Result<About, Problem> {
-        let record = door.archive.look_up(move |archive| archive.mission(MissionId(id))).await?;
+        let record = door.hall.archive.look_up(move |archive| archive.mission(MissionId(id))).await?;
         let (line, who) = (Timelines::of(door, MissionId(id), language).await, who(door, &caller));
         Ok(About { door: door.clone(), mission: id, line, began: record.map(|record| record.began), who, language })
     }
@@ -108,16 +102,16 @@ impl About {
         let PastMoment { past: Sound { of: past, .. }, wall, earlier, later } = moment;
         let unix_ms = match at {
             At::TimeAmong(time, [_, until]) if until < LAST => time.max(wall.unix_ms),
-            At::Time(time) | At::TimeAmong(time, _) => time.min(self.door.clock.now().wall.unix_ms).max(wall.unix_ms),
+            At::Time(time) | At::TimeAmong(time, _) => time.min(self.door.process.clock.now().wall.unix_ms).max(wall.unix_ms),
             At::Entry(_) => wall.unix_ms,
         };
         let (wall, number) = (WallTime { unix_ms, ..wall }, |seq: Option<Seq>| seq.map(|seq| seq.0));
         let (earlier, later) = (number(earlier), number(later));
         let then = Then { mission: self.mission, seq: past.seq.0, time: unix_ms, earlier, later };
-        let present = self.door.handle.snapshot();
+        let present = self.door.hall.handle.snapshot();
         let others = present.robots.iter().skip(1).map(|robot| robot.id.clone());
         let conditions = past.state.conditions.clone();
-        Looked { snapshot: Arc::new(past.snapshot(self.door.settings, others)), then, wall, conditions }
+        Looked { snapshot: Arc::new(past.snapshot(self.door.hall.settings, others)), then, wall, conditions }
     }
 
     fn view<'a>(&'a self, Looked { snapshot, then, wall, conditions }: &'a Looked) -> View<'a> {

@@ -2,7 +2,6 @@
 //! photos of the same piece. A browser that opens the address of a photo directly is redirected to this page.
 
 use askama::Template;
-use axum::extract::State;
 use axum::response::Html;
 
 use super::super::HttpDoor;
@@ -25,17 +24,17 @@ const SHOWN: u32 = 12;
 
 /// `GET luggage/{id}`: the page of the newest photo. With a query such as `?take=1`, the page of an earlier photo.
 pub(in crate::doors::http) async fn page(
-    State(door): State<HttpDoor>,
+    door: HttpDoor,
     Spoken(language): Spoken,
     Number(id): Number,
     query: Query,
 ) -> Result<Html<String>, Problem> {
     let asked = asked_take(&query)?;
-    let snapshot = door.handle.snapshot();
+    let snapshot = door.hall.handle.snapshot();
     let luggage = record(&door, &snapshot, id).await?;
     let take = if luggage.has_photo() || asked.is_some() { Some(taken(&luggage, asked)?) } else { None };
     let pieces = snapshot.luggage.iter().map(|piece| piece.id).collect();
-    Ok(html(&PhotoPage { language, luggage: &luggage, pieces, take, zone: Zone::of(door.clock.now().wall) }))
+    Ok(html(&PhotoPage { language, luggage: &luggage, pieces, take, zone: Zone::of(door.process.clock.now().wall) }))
 }
 
 pub(super) struct Take {

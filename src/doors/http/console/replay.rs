@@ -2,7 +2,6 @@
 //! moments. Without a script, links lead to the other moments. `missions` reads the record.
 
 use askama::Template;
-use axum::extract::State;
 use axum::response::Html;
 
 use super::super::HttpDoor;
@@ -18,7 +17,7 @@ use crate::phrases::{Language, Phrase};
 use hallsweep_core::snapshot::retrieval::{TreeView, TreesView};
 
 pub(in crate::doors::http) async fn page(
-    State(door): State<HttpDoor>,
+    door: HttpDoor,
     Spoken(language): Spoken,
     Number(id): Number,
     query: Query,

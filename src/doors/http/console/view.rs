@@ -70,17 +70,17 @@ pub(super) struct HallInfo {
 
 impl HallInfo {
     pub(super) fn of(door: &HttpDoor) -> HallInfo {
-        let (name, cell_m) = door.hall();
-        let is_paused = door.simulator.as_ref().is_some_and(|simulator| simulator.watch().borrow().is_paused);
-        let (is_reckoned, evacuation_m) = (door.is_reckoned, door.evacuation_m);
+        let (name, cell_m) = door.hall.place();
+        let is_paused = door.hall.simulator.as_ref().is_some_and(|simulator| simulator.watch().borrow().is_paused);
+        let (is_reckoned, evacuation_m) = (door.hall.is_reckoned, door.hall.evacuation_m);
         HallInfo {
             name,
             cell_m,
             is_reckoned,
             evacuation_m,
             is_paused,
-            robot: door.robots.first().cloned(),
-            rules: door.settings.rules,
+            robot: door.hall.robots.first().cloned(),
+            rules: door.hall.settings.rules,
         }
     }
 

@@ -171,7 +171,7 @@ where
             slot: None,
             connected: None,
             task: None,
-            search: StopSearch::new(Judge { door: context.door.clone(), hosts: context.hosts.clone(), peer }),
+            search: StopSearch::new(Judge { halls: context.halls.clone(), hosts: context.hosts.clone(), peer }),
             context,
             shared: ConnectionState::new(),
             claim: None,
@@ -297,7 +297,7 @@ where
     fn take_slot(&mut self) -> Result<(), Problem> {
         let has_heard = self.shared.has_heard();
         // hyper panics if the clock shows a time before 1970.
-        if !self.context.door.can_date() {
+        if !self.context.halls.process.can_date() {
             return Err(Problem::no_date(has_heard));
         }
         // An evicted connection gets no slot. Otherwise another connection would be evicted to make room for it.
@@ -311,7 +311,7 @@ where
             slot.asked(claim.clone(), !self.search.scanner.is_between());
         }
         self.slot = Some(Arc::new(slot));
-        self.connected = Some(self.context.door.handle.figures().connected(door::HTTP));
+        self.connected = Some(self.context.halls.default().hall.handle.figures().connected(door::HTTP));
         self.late.set(sleep(WHOLE_TIME));
         Ok(())
     }

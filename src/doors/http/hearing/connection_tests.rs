@@ -30,15 +30,15 @@ const HERE: Ipv4Addr = Ipv4Addr::LOCALHOST;
 fn context(app: &TestApp, slots: usize) -> ServerContext {
     let hosts = Hosts::new(true, &[]);
     ServerContext {
-        router: router(&app.door, hosts.clone()),
+        router: router(&app.halls(), hosts.clone()),
         hosts,
         tls: None,
-        slots: ConnectionSlots::new(slots, ConnectionBudget::default(), &app.door.access),
+        slots: ConnectionSlots::new(slots, ConnectionBudget::default(), &app.door.process.access),
         pending: PendingConnections::new(8),
         lingering: PendingConnections::new(8),
         work: Handle::current(),
-        closing: app.door.closing.subscribe(),
-        door: app.door.clone(),
+        closing: app.door.process.closing.subscribe(),
+        halls: app.halls(),
     }
 }
 
@@ -111,9 +111,9 @@ async fn who_gets_no_further_answer_has_no_slot_and_is_heard_for_five_seconds() 
     let mut refused = String::new();
     hears.read_to_string(&mut refused).await.unwrap();
     assert!(refused.starts_with("HTTP/1.1 400"), "{refused}");
-    let before = app.door.handle.epoch();
+    let before = app.door.hall.handle.epoch();
     says.write_all(STOP.as_bytes()).await.unwrap();
-    while app.door.handle.epoch() == before {
+    while app.door.hall.handle.epoch() == before {
         sleep(Duration::from_millis(1)).await;
     }
     assert_eq!((context.slots.held(), hearing.is_finished()), (0, false));
@@ -131,12 +131,12 @@ async fn a_move_that_says_stop_halts_when_it_is_refused() {
     says.write_all(format!("{head}{:x}\r\n{beginning}\r\n", beginning.len()).as_bytes()).await.unwrap();
     // Waits until the bytes sent so far are read.
     sleep(Duration::from_millis(1)).await;
-    let before = app.door.handle.epoch();
+    let before = app.door.hall.handle.epoch();
     says.write_all(format!("{:x}\r\n{end}\r\n \r\n", end.len()).as_bytes()).await.unwrap();
     for _ in 0..1_000 {
         sleep(Duration::from_millis(1)).await;
     }
-    assert_eq!((app.door.handle.epoch() == before, hearing.is_finished()), (false, false));
+    assert_eq!((app.door.hall.handle.epoch() == before, hearing.is_finished()), (false, false));
 }
 
 /// Safety S9: connections that may be about to send STOP are evicted last.
@@ -185,7 +185,7 @@ async fn a_stop_that_has_come_halts_before_its_connection_gives_way() {
         client.write_all(STOP.as_bytes()).unwrap();
         assert_eq!(context.evict_some(), 1);
         within("it gives way", hearing).await.unwrap();
-        assert_eq!(app.door.handle.epoch(), Epoch(1 + number));
+        assert_eq!(app.door.hall.handle.epoch(), Epoch(1 + number));
     }
 }
 
@@ -205,7 +205,7 @@ async fn who_had_to_make_room_takes_no_slot() {
     within("the refusal", hears.read_to_string(&mut refused)).await.unwrap();
     assert!(refused.contains("noPlace") && refused.contains("has halted"), "{refused}");
     within("its end", hearing).await.unwrap();
-    assert_eq!((context.slots.held(), app.door.handle.epoch()), (1, Epoch(2)));
+    assert_eq!((context.slots.held(), app.door.hall.handle.epoch()), (1, Epoch(2)));
     assert!(cut.notified().now_or_never().is_none());
     drop(other);
 }
@@ -242,8 +242,8 @@ async fn a_stop_that_a_newcomer_has_sent_already_halts_before_anything_is_waited
     let mut client = std::net::TcpStream::connect(listener.local_addr().unwrap()).unwrap();
     std::io::Write::write_all(&mut client, STOP.as_bytes()).unwrap();
     let (stream, address) = listener.accept().await.unwrap();
-    let before = app.door.handle.epoch();
+    let before = app.door.hall.handle.epoch();
     let mut conversation = Box::pin(converse(stream, address, Arc::new(context(&app, 8))));
     assert!(conversation.as_mut().now_or_never().is_none());
-    assert!(app.door.handle.epoch() > before);
+    assert!(app.door.hall.handle.epoch() > before);
 }

@@ -5,12 +5,12 @@ use tokio::runtime::Handle;
 use tokio::sync::watch;
 
 use crate::doors::connection_limits::{ConnectionSlots, PendingConnections};
-use crate::doors::http::HttpDoor;
 use crate::doors::http::guard::Hosts;
+use crate::doors::http::halls::Halls;
 use crate::doors::http::tls::Tls;
 
 pub(in crate::doors::http) struct ServerContext {
-    pub(in crate::doors::http) door: HttpDoor,
+    pub(in crate::doors::http) halls: Halls,
     pub(in crate::doors::http) hosts: Hosts,
     pub(in crate::doors::http) router: Router,
     pub(in crate::doors::http) tls: Option<Tls>,

@@ -5,18 +5,18 @@
 
 use axum::http::{HeaderMap, HeaderName, HeaderValue, header};
 
-use super::shared::StopOutcome;
+use super::shared::{Arrived, StopOutcome};
 use crate::access::Need;
 use crate::api::halt::{says_halt, says_halt_from};
 use crate::doors::connection_limits::SlotClaim;
-use crate::doors::http::HttpDoor;
 use crate::doors::http::command::{IDEMPOTENCY_KEY, command_id};
 use crate::doors::http::gate::{allowed, by_path, issuer};
 use crate::doors::http::guard::{Hosts, is_foreign};
+use crate::doors::http::halls::Halls;
 use crate::doors::http::peer::Peer;
 use crate::doors::http::scanning::{self, BodyLength, Field, Head, Scanner, names};
+use crate::runtime::handle::Handle;
 use hallsweep_core::command::{Command, Request};
-use hallsweep_core::units::Epoch;
 
 /// A body of at most this many bytes is searched whole whenever more of it arrives. The body of a move has a few
 /// dozen bytes. In a longer body, only the new bytes and this many bytes before them are searched.
@@ -26,7 +26,7 @@ pub(super) struct StopSearch {
     pub(super) judge: Judge,
     pub(super) scanner: Scanner,
     /// The STOP to carry out if the body of the last request says STOP.
-    unsaid: Option<Request>,
+    unsaid: Option<StopRequest>,
     /// Number of bytes of the body that were already searched.
     looked: usize,
     /// Length of the body in bytes when it was last searched whole.
@@ -44,12 +44,12 @@ pub(super) struct HeardRequest {
     pub(super) claim: SlotClaim,
     pub(super) has_body: bool,
     pub(super) may_hand_over: bool,
-    pub(super) came: Epoch,
+    pub(super) came: Arrived,
 }
 
 impl StopSearch {
     pub(super) fn new(judge: Judge) -> StopSearch {
-        let scanner = Scanner::new(judge.door.cookie());
+        let scanner = Scanner::new(&judge.halls.process.cookie);
         StopSearch { judge, scanner, unsaid: None, looked: 0, looked_whole: 0 }
     }
 
@@ -65,12 +65,12 @@ impl StopSearch {
                 (taken, Some(Heard::Body), given)
             }
             Some(scanning::Heard::Head(head)) => {
-                let came = self.judge.door.handle.epoch();
+                let came = self.judge.halls.arrived(names::hall(&head.path));
                 let (claim, press) = self.judge.hear(&head);
                 let (unsaid, given) = match press {
                     None => (None, None),
-                    Some(StopRequest::Named(stop)) => (None, Some(self.judge.give(stop))),
-                    Some(StopRequest::Unsaid(stop)) => (Some(stop), None),
+                    Some(stop) if stop.is_named => (None, Some(stop.give())),
+                    Some(stop) => (Some(stop), None),
                 };
                 self.unsaid = unsaid;
                 (self.looked, self.looked_whole) = (0, 0);
@@ -98,13 +98,13 @@ impl StopSearch {
             self.looked_whole = said.len();
             return self.look();
         }
-        self.unsaid.take_if(|_| says_halt_from(said, start)).map(|stop| self.judge.give(stop))
+        self.unsaid.take_if(|_| says_halt_from(said, start)).map(StopRequest::give)
     }
 
     /// Carries out a STOP in the body. Called when no more of the body comes.
     pub(super) fn look(&mut self) -> Option<StopOutcome> {
         let said = self.scanner.said();
-        self.unsaid.take_if(|_| says_halt(said)).map(|stop| self.judge.give(stop))
+        self.unsaid.take_if(|_| says_halt(said)).map(StopRequest::give)
     }
 
     /// Returns the number of the last request. The first request has the number 0.
@@ -120,17 +120,25 @@ impl Drop for StopSearch {
     }
 }
 
-/// A STOP from a sender who has the right to stop.
-pub(super) enum StopRequest {
-    /// The path in the head is a STOP route.
-    Named(Request),
-    /// The request is a STOP if its body contains the word for STOP.
-    Unsaid(Request),
+/// A STOP of one hall, from a sender who has the right to stop there.
+pub(super) struct StopRequest {
+    hall: Handle,
+    request: Request,
+    /// Whether the path in the head is a STOP route. Otherwise the request is a STOP if its body contains the word for
+    /// STOP.
+    is_named: bool,
+}
+
+impl StopRequest {
+    /// Halts the robot at once. The returned future waits for the result.
+    fn give(self) -> StopOutcome {
+        Box::pin(self.hall.carry_out(self.request))
+    }
 }
 
 #[derive(Clone)]
 pub(super) struct Judge {
-    pub(super) door: HttpDoor,
+    pub(super) halls: Halls,
     pub(super) hosts: Hosts,
     pub(super) peer: Peer,
 }
@@ -140,7 +148,7 @@ impl Judge {
     /// is or may become.
     pub(super) fn hear(&self, head: &Head) -> (SlotClaim, Option<StopRequest>) {
         let (headers, is_in_doubt) = headers(head);
-        let caller = self.door.caller_by_any(self.peer, &headers);
+        let caller = self.halls.process.caller_by_any(self.peer, &headers);
         let claim = SlotClaim::new(self.peer.address, caller.as_ref());
         let stop = names::stop(&head.method, &head.path);
         let route = stop.or_else(|| names::says_by_body(&head.method, &head.path));
@@ -148,14 +156,10 @@ impl Judge {
         let (Some(route), Some(caller)) = (route, caller.filter(|caller| allowed(caller, Need::Stop).is_ok())) else {
             return (claim, None);
         };
+        let Some(door) = self.halls.seen_by(&caller, names::hall(&head.path).as_ref()) else { return (claim, None) };
         let issuer = issuer(&caller, by_path(route), self.peer);
         let request = Request { id: command_id(&headers).unwrap_or_default(), ..Request::new(Command::Stop, issuer) };
-        (claim, Some(if stop.is_some() { StopRequest::Named(request) } else { StopRequest::Unsaid(request) }))
-    }
-
-    /// Halts the robot at once. The returned future waits for the result.
-    pub(super) fn give(&self, stop: Request) -> StopOutcome {
-        Box::pin(self.door.handle.carry_out(stop))
+        (claim, Some(StopRequest { hall: door.hall.handle.clone(), request, is_named: stop.is_some() }))
     }
 
     /// Whether the request is meant for this program: it names no foreign host, and no page of another origin sent

@@ -111,7 +111,7 @@ impl Sent {
 
 fn judge(app: &TestApp) -> Judge {
     let peer = Peer { address: Ipv4Addr::LOCALHOST.into(), is_encrypted: false };
-    Judge { door: app.door.clone(), hosts: Hosts::new(true, &[]), peer }
+    Judge { halls: app.halls(), hosts: Hosts::new(true, &[]), peer }
 }
 
 /// Whether the first request in these bytes halts the robot while its connection is open. The bytes are sent in
@@ -271,7 +271,7 @@ fn excepted() -> Vec<Exception> {
 fn guarded() -> (TestApp, [String; 2], String) {
     let (keyring, Tokens { viewer, .. }) = keys();
     let app = guarded_app(searching(), Access::Keys(keyring.clone()));
-    let now = app.door.moment();
+    let now = app.door.process.moment();
     let session = |keyring: &Keyring, now| format!("hallsweep-0={}", keyring.sign_in(&viewer, &Person::default(), now).unwrap());
     let credentials = [format!("Authorization: Bearer {viewer}"), format!("Cookie: a=b; {}; c=d", session(&keyring, now))];
     let earlier_run = Keyring::of((*keyring.keys()).clone()).unwrap();
@@ -413,7 +413,7 @@ async fn a_move_that_says_stop_halts_when_its_word_has_come() {
 async fn a_move_that_says_stop_halts_at_the_latest_when_its_connection_ends() {
     let app = app(searching());
     for (word, epochs) in [("w", 0), ("\\u0068", 1)] {
-        let before = app.door.handle.epoch();
+        let before = app.door.hall.handle.epoch();
         let mut search = StopSearch::new(judge(&app));
         let head = format!("POST {MOVE} HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5000\r\n\r\n");
         let (taken, _, _) = search.take(head.as_bytes());
@@ -423,7 +423,7 @@ async fn a_move_that_says_stop_halts_at_the_latest_when_its_connection_ends() {
             assert!(search.look_early().is_none());
         }
         drop(search);
-        assert_eq!(app.door.handle.epoch().0, before.0 + epochs, "{word}");
+        assert_eq!(app.door.hall.handle.epoch().0, before.0 + epochs, "{word}");
         let sent = format!(r#"{head}{{"note":"{}","move":"{word}"}}"#, "z".repeat(1_100));
         assert_eq!(halts(&judge(&app), sent.as_bytes(), usize::MAX), epochs == 1, "a body that has doubled is looked at whole");
     }

@@ -7,6 +7,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use tokio::sync::watch;
 
 use crate::runtime::carry_out::{Done, NotDone};
+use hallsweep_core::hall::HallId;
 use hallsweep_core::units::Epoch;
 
 /// Maximum number of STOPs of one connection that wait until hyper reads their requests. Each takes some 1.5 KiB. A
@@ -23,15 +24,19 @@ pub(in crate::doors::http) struct Pressed {
     pub(super) number: u64,
 }
 
-/// The epoch in which the head of a request was read. If a STOP raises the epoch after that, the request is outdated,
-/// even if it is carried out much later (safety S4).
-#[derive(Clone, Copy)]
-pub(in crate::doors::http) struct Arrived(pub(in crate::doors::http) Epoch);
+/// The epoch of the named hall in which the head of a request was read. If a STOP raises the epoch after that, the
+/// request is outdated, even if it is carried out much later (safety S4).
+#[derive(Clone, PartialEq, Eq)]
+pub(in crate::doors::http) struct Arrived {
+    /// `None` for the default hall.
+    pub(in crate::doors::http) hall: Option<HallId>,
+    pub(in crate::doors::http) epoch: Epoch,
+}
 
 pub(super) struct ConnectionState {
     stop_outcomes: Mutex<BTreeMap<u64, StopOutcome>>,
-    /// Epochs in which requests arrived. Each key is the number of the first request of that epoch.
-    epochs: Mutex<BTreeMap<u64, Epoch>>,
+    /// Epochs in which requests arrived. Each key is the number of the first request of that hall and epoch.
+    epochs: Mutex<BTreeMap<u64, Arrived>>,
     /// Whether an answer has switched the connection to WebSocket. This answer is the last one.
     pub(super) is_handed_over: watch::Sender<bool>,
     /// Whether an endless answer, such as an event stream, has begun.
@@ -59,23 +64,23 @@ impl ConnectionState {
     }
 
     /// Records the epoch in which the head of this request was read.
-    pub(super) fn came(&self, number: u64, epoch: Epoch) {
+    pub(super) fn came(&self, number: u64, arrived: Arrived) {
         let mut epochs = self.epochs();
         // If there are too many epochs, later requests get the last recorded one. No request then counts as newer
         // than it is.
-        if epochs.len() < STOP_OUTCOMES && epochs.values().next_back() != Some(&epoch) {
-            epochs.insert(number, epoch);
+        if epochs.len() < STOP_OUTCOMES && epochs.values().next_back() != Some(&arrived) {
+            epochs.insert(number, arrived);
         }
     }
 
     pub(super) fn arrived(&self, number: u64) -> Option<Arrived> {
         let mut epochs = self.epochs();
-        let (first, epoch) = epochs.range(..=number).next_back().map(|(first, epoch)| (*first, *epoch))?;
+        let (first, arrived) = epochs.range(..=number).next_back().map(|(first, arrived)| (*first, arrived.clone()))?;
         *epochs = epochs.split_off(&first);
-        Some(Arrived(epoch))
+        Some(arrived)
     }
 
-    fn epochs(&self) -> MutexGuard<'_, BTreeMap<u64, Epoch>> {
+    fn epochs(&self) -> MutexGuard<'_, BTreeMap<u64, Arrived>> {
         self.epochs.lock().unwrap_or_else(PoisonError::into_inner)
     }
 

@@ -10,7 +10,6 @@ mod page;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-use axum::extract::State;
 use axum::http::HeaderMap;
 use axum::response::Response;
 use serde_json::{Map, Value, json};
@@ -39,13 +38,13 @@ struct Description {
 static OPEN: LazyLock<Description> = LazyLock::new(|| Description::of(false));
 static KEYED: LazyLock<Description> = LazyLock::new(|| Description::of(true));
 
-pub(super) async fn description(State(door): State<HttpDoor>, headers: HeaderMap) -> Response {
+pub(super) async fn description(door: HttpDoor, headers: HeaderMap) -> Response {
     let Description { json, tag } = at(&door);
     conditional(&headers, tag, || json.sent(&headers))
 }
 
 fn at(door: &HttpDoor) -> &'static Description {
-    match door.access {
+    match door.process.access {
         Access::Open => &OPEN,
         Access::Keys(_) => &KEYED,
     }

@@ -2,6 +2,7 @@
 //! slash, another case, blanks, escapes) still names its route. Bodies are not read here.
 
 use crate::api::halt::bare;
+use hallsweep_core::hall::HallId;
 
 /// The routes that are STOP, as in the table of routes.
 pub const STOPS: [&str; 4] = ["/api/v1/commands/stop", "/console/stop", "/h", "/stopappl"];
@@ -15,12 +16,12 @@ pub const BY_BODY: [&str; 2] = ["/api/v1/commands/move", "/console/move"];
 /// Methods that change nothing (RFC 9110, section 9.2.1).
 const SAFE: [&[u8]; 4] = [b"GET", b"HEAD", b"OPTIONS", b"TRACE"];
 
-/// Returns the STOP route that a request names.
+/// Returns the STOP route that a request names. `hall` says whose STOP it is.
 pub fn stop(method: &[u8], path: &[u8]) -> Option<&'static str> {
     if is_safe(method) {
         return None;
     }
-    let named = segments(path);
+    let (_, named) = split(path);
     let mut routes = STOPS.into_iter().map(|route| (route, route)).chain(OTHERWISE);
     routes.find(|(name, _)| is_at(&named, name)).map(|(_, route)| route)
 }
@@ -30,7 +31,7 @@ pub fn says_by_body(method: &[u8], path: &[u8]) -> Option<&'static str> {
     if is_safe(method) {
         return None;
     }
-    let named = segments(path);
+    let (_, named) = split(path);
     BY_BODY.into_iter().find(|route| is_at(&named, route))
 }
 
@@ -40,7 +41,23 @@ fn is_safe(method: &[u8]) -> bool {
 
 /// Whether a path names the route for MQTT over WebSocket.
 pub fn is_upgrade(path: &[u8]) -> bool {
-    is_at(&segments(path), "/mqtt")
+    is_at(&split(path).1, "/mqtt")
+}
+
+/// Returns the hall that a path names; `None` for the default hall.
+pub fn hall(path: &[u8]) -> Option<HallId> {
+    split(path).0
+}
+
+/// Splits a path into the hall that it names, and the other segments.
+fn split(path: &[u8]) -> (Option<HallId>, Vec<String>) {
+    let mut named = segments(path);
+    let at = if named.starts_with(&["api", "v1"].map(str::to_owned)) { 2 } else { 0 };
+    let hall = named.get(at).filter(|first| *first == "halls").and_then(|_| HallId::new(named.get(at + 1)?));
+    if hall.is_some() {
+        named.drain(at..at + 2);
+    }
+    (hall, named)
 }
 
 /// Returns the segments of a path in lower case, because the routes here are in lower case.

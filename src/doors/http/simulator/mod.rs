@@ -6,7 +6,7 @@ mod page;
 
 use std::sync::Arc;
 
-use axum::extract::{FromRequestParts, State};
+use axum::extract::FromRequestParts;
 use axum::http::request::Parts;
 use axum::http::{Method, header};
 use axum::response::{IntoResponse, Response};
@@ -49,24 +49,25 @@ pub(super) struct Asker {
     language: Language,
 }
 
-impl FromRequestParts<HttpDoor> for Asker {
+impl<S: Send + Sync> FromRequestParts<S> for Asker {
     type Rejection = Problem;
 
-    async fn from_request_parts(parts: &mut Parts, door: &HttpDoor) -> Result<Asker, Problem> {
-        let LetIn(caller) = LetIn::from_request_parts(parts, door).await?;
-        let peer = Peer::from_request_parts(parts, door).await?;
-        let simulator = door.simulator.clone().ok_or_else(|| {
+    async fn from_request_parts(parts: &mut Parts, state: &S) -> Result<Asker, Problem> {
+        let LetIn(caller) = LetIn::from_request_parts(parts, state).await?;
+        let peer = Peer::from_request_parts(parts, state).await?;
+        let door = HttpDoor::from_request_parts(parts, state).await?;
+        let simulator = door.hall.simulator.clone().ok_or_else(|| {
             let detail = "the searching robot is not simulated, so there is no simulator to control".to_owned();
             Problem::new(("notSimulated", ProblemKind::NotFound), detail)
         })?;
-        let mission = &door.handle.snapshot().mission;
+        let mission = &door.hall.handle.snapshot().mission;
         let is_reading = matches!(parts.method, Method::GET | Method::HEAD);
         if mission.is_truth_hidden || mission.is_exercise && !is_reading {
             let detail = "an exercise runs, and the simulator would tell which pieces are test pieces: it is shown when every piece \
                           has its verdict or the mission is closed, and can be changed after a start without --exercise";
             return Err(Problem::new(("exerciseRunning", ProblemKind::Conflict), detail.to_owned()));
         }
-        Ok(Asker { door: door.clone(), simulator, caller, peer, language: spoken(&parts.headers) })
+        Ok(Asker { door, simulator, caller, peer, language: spoken(&parts.headers) })
     }
 }
 
@@ -85,7 +86,7 @@ impl Asker {
 
     /// Returns why the robots cannot be moved to another hall now. `None` if they can.
     fn bound(&self) -> Option<Problem> {
-        self.door.handle.snapshot().bound_to_hall().map(|refused| bound(&refused))
+        self.door.hall.handle.snapshot().bound_to_hall().map(|refused| bound(&refused))
     }
 
     fn bound_in_words(&self) -> Option<String> {
@@ -209,7 +210,7 @@ pub(super) async fn put_down(asker: Asker, HallPayload(body): HallPayload) -> Pa
     Ok(asker.json(&state))
 }
 
-pub(super) async fn check(_: Asker, State(door): State<HttpDoor>, query: Query, file: HallFile) -> PageAnswer {
+pub(super) async fn check(_: Asker, door: HttpDoor, query: Query, file: HallFile) -> PageAnswer {
     query.only(&["name"])?;
     let name = query.every("name").first().map_or("hall.toml", String::as_str).to_owned();
     // An editor calls this after every keystroke. Errors are useful to the person who draws, but are not recorded.
@@ -233,7 +234,7 @@ async fn read_hall(door: &HttpDoor, name: String, file: HallFile) -> Result<Read
 /// Does slow work on halls on a thread that no other work waits for. Only one such job runs at a time. Each is
 /// completed even if its sender disconnects (safety S7).
 async fn in_turn<T: Send + 'static>(door: &HttpDoor, act: impl FnOnce() -> T + Send + 'static) -> Result<T, Problem> {
-    let turn = Arc::clone(&door.halls).acquire_owned().await.map_err(|_| Problem::closing())?;
+    let turn = Arc::clone(&door.process.uploads).acquire_owned().await.map_err(|_| Problem::closing())?;
     let acting = tokio::task::spawn_blocking(move || {
         let done = act();
         drop(turn);

@@ -164,7 +164,7 @@ impl Fields {
             "mend" => self.fault(false)?,
             "block" => Change { blocked: Some(with(blocked(), self.cell()?)), ..change },
             "blockAhead" => {
-                let ahead = ahead(&asker.door.handle.snapshot().robot);
+                let ahead = ahead(&asker.door.hall.handle.snapshot().robot);
                 Change { blocked: Some(with(blocked(), ahead)), ..change }
             }
             "free" => {

@@ -131,9 +131,10 @@ fn simulated(snapshot: Snapshot, access: Access, is_paused: bool) -> TestApp {
         is_paused,
         faults: Faults { link_lost: is_paused, no_thermometer: is_paused, camera_fails: is_paused, blocked },
     };
-    let app = guarded_app(snapshot, access);
+    let mut app = guarded_app(snapshot, access);
     let simulator: Arc<dyn Simulator> = Arc::new(Still(watch::Sender::new(Arc::new(state))));
-    TestApp { door: app.door.clone().with_simulator(Some(simulator)), ..app }
+    app.hall_mut().simulator = Some(simulator);
+    app
 }
 
 #[track_caller]

@@ -48,15 +48,15 @@ impl Default for Timelines {
 impl Timelines {
     /// Returns the timeline as far as it can be read within `PATIENCE`. The next call continues to read.
     pub(super) async fn of(door: &HttpDoor, mission: MissionId, language: Language) -> Arc<Timeline> {
-        let now = door.clock.now();
-        let present = door.handle.snapshot().mission.id;
-        let (mut line, is_due) = door.timelines.with(|lines| {
+        let now = door.process.clock.now();
+        let present = door.hall.handle.snapshot().mission.id;
+        let (mut line, is_due) = door.hall.timelines.with(|lines| {
             // Marks the timelines of the present mission as used, because every page shows one. Timelines of old
             // missions must not evict them from the cache.
             for language in Language::ALL {
                 lines.get(&(present, language));
             }
-            let new = || Arc::new(Timeline::new(mission, language, Zone::of(now.wall), door.settings.threshold));
+            let new = || Arc::new(Timeline::new(mission, language, Zone::of(now.wall), door.hall.settings.threshold));
             let known = lines.entry((mission, language)).or_insert_with(|| Known { line: new(), asked: None });
             let is_due = known.asked.is_none_or(|asked| now.since_start.saturating_sub(asked) >= AGAIN);
             let is_due = is_due && mission != MissionId(0) && !known.line.is_complete();
@@ -68,7 +68,7 @@ impl Timelines {
         let is_read = !is_due || {
             let reading = async {
                 while let Some(longer) = read_on(door, mission, Arc::clone(&line)).await {
-                    line = door.timelines.keep(longer);
+                    line = door.hall.timelines.keep(longer);
                 }
             };
             tokio::time::timeout(PATIENCE, reading).await.is_ok()
@@ -110,7 +110,7 @@ async fn read_on(door: &HttpDoor, mission: MissionId, mut line: Arc<Timeline>) -
         let conditions = begin.and_then(|moment| moment.past.of.state.conditions);
         Ok((conditions, archive.timeline(mission, Span::after(after), PAGE)?))
     };
-    let (conditions, further) = door.archive.look_up(look).await.ok()?;
+    let (conditions, further) = door.hall.archive.look_up(look).await.ok()?;
     if further.is_empty() {
         return None;
     }
