@@ -13,7 +13,7 @@ use futures_util::future::{join_all, select_all};
 use tokio::sync::watch;
 
 use crate::access;
-use crate::config::Settings;
+use crate::config::{HallSettings, Settings};
 use crate::doors::coap::Resources;
 use crate::doors::connection_limits::ConnectionBudget;
 use crate::doors::http;
@@ -80,8 +80,12 @@ async fn serve_halls(
     let signalled = signals::listen().map_err(AppError::System)?;
     let secret = access::chance()?;
 
-    let open = |hall| OpenHall::open(hall, entry::unusable(settings), mqtt::note(settings).into_iter().collect());
-    let opened: Vec<OpenHall> = settings.halls().map(open).collect::<Result<_, _>>()?;
+    let notes = |is_default: bool| mqtt::note(settings).filter(|_| is_default).into_iter().collect();
+    let open = |(place, hall): (usize, &HallSettings)| {
+        let id = (place > 0).then(|| hall.name.clone());
+        OpenHall::open(id, hall, entry::unusable(settings), notes(place == 0))
+    };
+    let opened: Vec<OpenHall> = settings.halls().enumerate().map(open).collect::<Result<_, _>>()?;
     // The keys are opened last, when nothing else can prevent the start. So a key that is created is also shown to
     // the user.
     let access = entry::access(settings)?;

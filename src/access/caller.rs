@@ -70,10 +70,6 @@ impl Caller {
         }
     }
 
-    pub fn sees(&self, _: &hallsweep_core::hall::HallId) -> bool {
-        true
-    }
-
     /// Checks that the caller has the right `need`. The error is a message for the caller.
     pub fn may(&self, need: Need) -> Result<(), String> {
         if self.role().may(need) {

@@ -36,7 +36,7 @@ impl AnswerJson {
             accepted: true,
             revision: accepted.revision.0,
             epoch: accepted.epoch.0,
-            luggage: luggage.map(|luggage| LuggageJson::from(&**luggage)),
+            luggage: luggage.map(|luggage| LuggageJson::new(luggage, snapshot.hall.as_ref())),
             kept_back: accepted.is_kept_back,
         }
     }

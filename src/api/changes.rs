@@ -103,7 +103,7 @@ fn luggage(older: &Snapshot, snapshot: &Snapshot) -> (Option<Vec<LuggageJson>>, 
         return (Some(state::luggage(snapshot)), None);
     }
     let changed = snapshot.luggage.changed_since(&older.luggage);
-    (None, Some(changed.map(|piece| LuggageJson::from(&**piece)).collect()))
+    (None, Some(changed.map(|piece| LuggageJson::new(piece, snapshot.hall.as_ref())).collect()))
 }
 
 #[cfg(test)]

@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 
 use serde::Serialize;
 
+use super::address::address;
 use super::luggage::LuggageJson;
 use super::map::map_revision;
 use super::resources::{Form, shape};
@@ -14,7 +15,6 @@ use super::robot::PositionJson;
 use hallsweep_core::command::Note;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::luggage::Luggage;
-use hallsweep_core::world::records::LuggageRecords;
 use hallsweep_core::world::resource::Resource;
 
 /// Maximum size of published luggage, in bytes. Every broker accepts messages of this size (1 MiB).
@@ -38,7 +38,7 @@ struct LuggageExcerpt {
     /// Number of dangerous pieces, including those in the container.
     dangerous: usize,
     /// Address of all pieces at the HTTP door.
-    all: &'static str,
+    all: String,
     /// The newest pieces, and the dangerous and pending pieces that fit, sorted by number.
     luggage: Vec<LuggageJson>,
 }
@@ -50,13 +50,13 @@ struct MapExcerpt {
     width: i32,
     height: i32,
     /// Address of the map with its rows at the HTTP door.
-    all: &'static str,
+    all: String,
 }
 
 /// Returns the excerpt of a resource in JSON; `None` if the whole resource can be published.
 pub fn excerpt(resource: Resource, snapshot: &Snapshot) -> Option<Vec<u8>> {
     match resource {
-        Resource::Luggage => luggage(&snapshot.luggage).map(|excerpt| shape(Form::Json, &excerpt)),
+        Resource::Luggage => luggage(snapshot).map(|excerpt| shape(Form::Json, &excerpt)),
         Resource::Map => map(snapshot).map(|excerpt| shape(Form::Json, &excerpt)),
         Resource::Mission
         | Resource::Robot
@@ -68,7 +68,8 @@ pub fn excerpt(resource: Resource, snapshot: &Snapshot) -> Option<Vec<u8>> {
     }
 }
 
-fn luggage(records: &LuggageRecords) -> Option<LuggageExcerpt> {
+fn luggage(snapshot: &Snapshot) -> Option<LuggageExcerpt> {
+    let records = &snapshot.luggage;
     if records.iter().map(|piece| bytes(piece)).sum::<usize>() <= LUGGAGE_BYTES {
         return None;
     }
@@ -85,8 +86,8 @@ fn luggage(records: &LuggageRecords) -> Option<LuggageExcerpt> {
         pieces: records.len(),
         pending: records.pending().count(),
         dangerous: dangerous().count(),
-        all: "/api/v1/luggage",
-        luggage: shown.into_values().map(LuggageJson::from).collect(),
+        all: address(snapshot.hall.as_ref(), "/api/v1/luggage"),
+        luggage: shown.into_values().map(|piece| LuggageJson::new(piece, snapshot.hall.as_ref())).collect(),
     })
 }
 
@@ -104,7 +105,7 @@ fn map(snapshot: &Snapshot) -> Option<MapExcerpt> {
         return None;
     }
     let revision = map_revision(snapshot).0;
-    Some(MapExcerpt { revision, origin: bounds.least.into(), width, height, all: "/api/v1/map" })
+    Some(MapExcerpt { revision, origin: bounds.least.into(), width, height, all: address(snapshot.hall.as_ref(), "/api/v1/map") })
 }
 
 #[cfg(test)]
@@ -174,7 +175,7 @@ mod tests {
         let numbers: Vec<u64> = shown.iter().filter_map(|record| record["id"].as_u64()).collect();
         let expected: Vec<u64> = [3, 17, 40].into_iter().chain(5000 - NEWEST as u64 + 1..=5000).collect();
         assert_eq!(numbers, expected);
-        assert_eq!(shown[1], serde_json::to_value(LuggageJson::from(&*snapshot.luggage[16])).expect("it is JSON"));
+        assert_eq!(shown[1], serde_json::to_value(LuggageJson::new(&snapshot.luggage[16], None)).expect("it is JSON"));
     }
 
     #[test]

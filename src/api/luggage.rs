@@ -3,11 +3,13 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::address::address;
 use super::robot::PositionJson;
 use super::time::rfc3339;
 use super::vocabulary;
 use hallsweep_core::bomb_size::BombSize;
 use hallsweep_core::command::{Hot, HotAnswer};
+use hallsweep_core::hall::HallId;
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Decision, Doubt, Judgement, Luggage, PhotoState};
 
@@ -126,8 +128,9 @@ pub fn take_url(luggage: LuggageId, take: u32) -> String {
     format!("/api/v1/luggage/{luggage}/photo?take={take}")
 }
 
-impl From<&Luggage> for LuggageJson {
-    fn from(luggage: &Luggage) -> LuggageJson {
+impl LuggageJson {
+    /// A piece of this hall.
+    pub fn new(luggage: &Luggage, hall: Option<&HallId>) -> LuggageJson {
         LuggageJson {
             id: luggage.id.0,
             verdict: luggage.verdict_name(),
@@ -135,7 +138,7 @@ impl From<&Luggage> for LuggageJson {
             position: luggage.pose.cell.into(),
             heading: luggage.pose.heading.name(),
             taken: rfc3339(luggage.taken),
-            photo: photo(luggage),
+            photo: photo(luggage, hall),
             decided: luggage.verdict.as_ref().map(DecisionJson::from),
             unsure: luggage.unsure.iter().map(DecisionJson::from).collect(),
             judged: luggage.judged.iter().map(JudgementJson::from).collect(),
@@ -181,8 +184,8 @@ impl From<&Judgement> for JudgementJson {
     }
 }
 
-fn photo(luggage: &Luggage) -> PhotoJson {
-    let url = photo_url(luggage);
+fn photo(luggage: &Luggage, hall: Option<&HallId>) -> PhotoJson {
+    let url = photo_url(luggage).map(|url| address(hall, &url));
     match &luggage.photo {
         PhotoState::Taken { bytes, take } => {
             PhotoJson { state: "taken", url, bytes: Some(*bytes), take: Some(*take), reason: None }

@@ -4,6 +4,7 @@
 use schemars::JsonSchema;
 use serde::Serialize;
 
+use super::address::address;
 use super::exercise::ExerciseJson;
 use super::journal::{self, ConditionsShape};
 use super::luggage::LuggageJson;
@@ -13,6 +14,7 @@ use super::robot::PositionJson;
 use super::time::rfc3339;
 use super::vocabulary;
 use hallsweep_core::engine::Past;
+use hallsweep_core::hall::HallId;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::state::fact::Entry;
 use hallsweep_core::units::{MissionId, Seq, WallTime};
@@ -84,16 +86,26 @@ pub struct MissionWholeJson {
 }
 
 impl Links {
-    pub fn of(mission: MissionId) -> Links {
-        let itself = format!("/api/v1/missions/{mission}");
-        Links { events: format!("{itself}/events"), map: format!("{itself}/map"), page: format!("/missions/{mission}"), itself }
+    pub fn of(mission: MissionId, hall: Option<&HallId>) -> Links {
+        let itself = address(hall, &format!("/api/v1/missions/{mission}"));
+        Links {
+            events: format!("{itself}/events"),
+            map: format!("{itself}/map"),
+            page: address(hall, &format!("/missions/{mission}")),
+            itself,
+        }
     }
 }
 
 impl MissionWholeJson {
-    pub fn new(record: MissionRecordJson, state: Option<&PersistentState>, damage: Vec<String>) -> MissionWholeJson {
+    pub fn new(
+        record: MissionRecordJson,
+        state: Option<&PersistentState>,
+        damage: Vec<String>,
+        hall: Option<&HallId>,
+    ) -> MissionWholeJson {
         let luggage = state.into_iter().flat_map(|state| state.luggage.iter());
-        let luggage = luggage.map(|luggage| LuggageJson::from(&**luggage)).collect();
+        let luggage = luggage.map(|luggage| LuggageJson::new(luggage, hall)).collect();
         let map = state.map(|state| MapJson::from(Plan::from(state)));
         let results = state.and_then(ExerciseJson::of);
         MissionWholeJson { record, conditions: state.and_then(conditions), results, luggage, map, damage }
@@ -162,8 +174,8 @@ pub struct MomentLinks {
 
 impl MomentJson {
     /// The state of the mission after the entry `past.seq`. `wall` is the time of this entry.
-    pub fn new(mission: MissionId, past: &Past, wall: WallTime, damage: Vec<String>) -> MomentJson {
-        let Links { events, page, .. } = Links::of(mission);
+    pub fn new(mission: MissionId, past: &Past, wall: WallTime, damage: Vec<String>, hall: Option<&HallId>) -> MomentJson {
+        let Links { events, page, .. } = Links::of(mission, hall);
         let (seq, state, reading) = (past.seq, &past.state, past.reading());
         MomentJson {
             mission: mission.0,
@@ -178,7 +190,7 @@ impl MomentJson {
             silent_since: reading.and_then(|reading| reading.silent_since).map(rfc3339),
             conditions: conditions(state),
             closed: state.closed.as_deref().map(ClosedJson::from),
-            luggage: state.luggage.iter().map(|luggage| LuggageJson::from(&**luggage)).collect(),
+            luggage: state.luggage.iter().map(|luggage| LuggageJson::new(luggage, hall)).collect(),
             map: MapJson::from(Plan::from(state)),
             damage,
             links: MomentLinks { events: format!("{events}?after={seq}"), page: format!("{page}/moment?at={seq}") },
@@ -226,7 +238,7 @@ mod tests {
             dangerous: 0,
             left: Vec::new(),
             exercise: false,
-            links: Links::of(MissionId(3)),
+            links: Links::of(MissionId(3), None),
         }
     }
 
@@ -236,7 +248,7 @@ mod tests {
         state.map = drawn(&["11W"], 1);
         let piece = piece(7, Cell::new(2, 0), None);
         state.luggage.insert(piece);
-        let json = serde_json::to_value(MissionWholeJson::new(record(), Some(&state), Vec::new())).unwrap();
+        let json = serde_json::to_value(MissionWholeJson::new(record(), Some(&state), Vec::new(), None)).unwrap();
         assert_eq!((&json["id"], &json["luggage"][0]["id"]), (&3.into(), &7.into()));
         assert_eq!(json["luggage"][0]["photo"]["url"], "/api/v1/luggage/7/photo?take=1");
         assert_eq!(
@@ -249,7 +261,7 @@ mod tests {
 
     #[test]
     fn what_is_not_kept_is_null() {
-        let json = serde_json::to_value(MissionWholeJson::new(record(), None, vec!["entry 3".to_owned()])).unwrap();
+        let json = serde_json::to_value(MissionWholeJson::new(record(), None, vec!["entry 3".to_owned()], None)).unwrap();
         assert_eq!((&json["map"], &json["luggage"]), (&serde_json::Value::Null, &serde_json::json!([])));
         assert_eq!(json["damage"], serde_json::json!(["entry 3"]));
     }

@@ -3,6 +3,7 @@
 //! too. Some shapes are used by one door only (the simulator, the record, excerpts, results). They are here for two
 //! reasons: all shapes that users see are in one place, and `api` may use the simulator's crate, but doors may not.
 
+pub mod address;
 pub mod alarm;
 pub mod answer;
 pub mod cbor;
@@ -16,6 +17,7 @@ pub mod excerpt;
 pub mod exercise;
 pub mod fields;
 pub mod hall_files;
+pub mod halls;
 pub mod halt;
 pub mod journal;
 pub mod journal_words;

@@ -153,7 +153,7 @@ impl ResourceKind {
     }
 
     fn shaped(self, number: u64, form: Form, snapshot: &Snapshot, located: fn(LuggageJson) -> LuggageJson) -> Vec<u8> {
-        let piece = |found: &Luggage| located(LuggageJson::from(found));
+        let piece = |found: &Luggage| located(LuggageJson::new(found, snapshot.hall.as_ref()));
         let pieces = || snapshot.luggage.iter().map(|found| piece(found)).collect::<Vec<_>>();
         match self {
             ResourceKind::State => marked(snapshot, form, &StateJson::new(snapshot, pieces())),

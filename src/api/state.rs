@@ -83,7 +83,7 @@ pub fn temperature(snapshot: &Snapshot) -> TemperatureJson {
 }
 
 pub fn luggage(snapshot: &Snapshot) -> Vec<LuggageJson> {
-    snapshot.luggage.iter().map(|luggage| LuggageJson::from(&**luggage)).collect()
+    snapshot.luggage.iter().map(|luggage| LuggageJson::new(luggage, snapshot.hall.as_ref())).collect()
 }
 
 pub fn alarms(snapshot: &Snapshot) -> Vec<AlarmJson> {

@@ -24,6 +24,7 @@ use crate::runtime::simulator::Simulator;
 use crate::runtime::task::{Course, Task};
 use crate::storage::stops;
 use hallsweep_core::engine::{Engine, Recalled};
+use hallsweep_core::hall::HallId;
 use hallsweep_core::hold::Hold;
 use hallsweep_core::robot::RobotId;
 use hallsweep_core::state::Venue;
@@ -34,6 +35,8 @@ const FIRST_LINK: Duration = Duration::from_secs(2);
 
 /// A hall that can be started: its hall file was read, and its data folder is open.
 pub(super) struct OpenHall {
+    /// Name of the hall in its addresses; `None` for the default hall.
+    id: Option<HallId>,
     settings: HallSettings,
     robots: Robots,
     kept: DataFolder,
@@ -52,27 +55,32 @@ pub(super) struct Hall {
 }
 
 impl OpenHall {
-    /// Opens the hall. `keys` is the reason why nobody can sign in, if there is one: then nothing may move. `notes` are
+    /// Opens the hall. `id` is its name in its addresses, and `None` for the default hall. `keys` is the reason why nobody can sign in, if there is one: then nothing may move. `notes` are
     /// for an operator.
-    pub(super) fn open(settings: &HallSettings, keys: Option<String>, notes: Vec<String>) -> Result<OpenHall, AppError> {
+    pub(super) fn open(
+        id: Option<HallId>,
+        settings: &HallSettings,
+        keys: Option<String>,
+        notes: Vec<String>,
+    ) -> Result<OpenHall, AppError> {
         let settings = exercise::settled(settings)?;
         let mut robots = Robots::of(&settings)?;
         let notes = data_folder::write_out_old(&settings).into_iter().chain(notes).collect();
         let mut kept = DataFolder::open(&settings, &mut robots, keys, notes)?;
         kept.are_tests_known = exercise::check(&settings, &kept)?;
-        Ok(OpenHall { settings, robots, kept })
+        Ok(OpenHall { id, settings, robots, kept })
     }
 
     /// Starts the core and the robots. `other` replaces the searching robot of the settings. Waits a moment for the
     /// link to that robot, so that START works as soon as the address is printed. If the robot cannot be reached, the
     /// hall starts without it.
     pub(super) async fn start(self, other: Option<Adapter>, threads: &Threads) -> Hall {
-        let OpenHall { settings, robots, kept } = self;
+        let OpenHall { id, settings, robots, kept } = self;
         let halter = Halter::new(kept.epoch());
         let reader = ArchiveReader::new(Arc::clone(&kept.archive));
         let venue = robots.venue();
         let (course, coursed) = watch::channel(Course::default());
-        let (handle, task, simulator) = start(&settings, robots, other, kept, &halter, coursed, threads).await;
+        let (handle, task, simulator) = start(id, &settings, robots, other, kept, &halter, coursed, threads).await;
         let mut states = handle.watch();
         let linked = states.wait_for(|state| !state.mission.holds.contains(&Hold::RobotLink));
         if tokio::time::timeout(FIRST_LINK, linked).await.is_err() {
@@ -111,6 +119,7 @@ impl Hall {
 }
 
 async fn start(
+    id: Option<HallId>,
     settings: &HallSettings,
     mut robots: Robots,
     other: Option<Adapter>,
@@ -125,6 +134,9 @@ async fn start(
         threads.core.handle().spawn(stops::follow(stops, halter.clone()));
     }
     let mut engine = engine(settings, kept.recalled.take(), halter.watch().now().epoch, &clock);
+    if let Some(id) = id {
+        engine.name_hall(id);
+    }
     for words in in_doubt.iter().chain(&kept.notes) {
         tracing::warn!(words, "an operator should know");
         engine.note(words, clock.now());

@@ -11,6 +11,7 @@ use crate::runtime::archive::Unreadable;
 use crate::runtime::carry_out::NotDone;
 use crate::runtime::handle::Gone;
 use hallsweep_core::asked::Asked;
+use hallsweep_core::hall::HallId;
 use hallsweep_core::refused::{Refusal, Refused};
 use hallsweep_core::units::LuggageId;
 use hallsweep_core::world::luggage::{Luggage, NoPhoto};
@@ -23,6 +24,8 @@ pub(super) struct Problem {
     /// The refusal of the core. `None` if `detail` is not the core's sentence.
     refused: Option<Box<Refused>>,
     luggage: Option<Arc<Luggage>>,
+    /// The hall of the luggage; `None` for the default hall.
+    hall: Option<HallId>,
     /// The requested command, if more is known about the request than method and path.
     asked: Option<Box<Asked>>,
     /// Whether the door must record this problem. A problem that the core has recorded is not recorded again.
@@ -31,7 +34,7 @@ pub(super) struct Problem {
 
 impl Problem {
     pub(super) const fn new((code, kind): ProblemCode, detail: String) -> Problem {
-        Problem { kind, code, detail, refused: None, luggage: None, asked: None, is_for_record: true }
+        Problem { kind, code, detail, refused: None, luggage: None, hall: None, asked: None, is_for_record: true }
     }
 
     /// Refuses a request with the sentence of the core. The core has not recorded this refusal.
@@ -125,7 +128,7 @@ impl Problem {
     }
 
     pub(super) fn shape(&self) -> ProblemJson<'_> {
-        let luggage = self.luggage.as_ref().map(|piece| LuggageJson::from(&**piece));
+        let luggage = self.luggage.as_ref().map(|piece| LuggageJson::new(piece, self.hall.as_ref()));
         ProblemJson { luggage, ..ProblemJson::new((self.code, self.kind), &self.detail) }
     }
 }
@@ -134,7 +137,7 @@ impl From<NotDone> for Problem {
     /// The core has already recorded its own refusals, so the door does not record them again.
     fn from(not_done: NotDone) -> Problem {
         match not_done {
-            NotDone::Refused(refused, luggage) => Problem { luggage, ..Problem::refused(&refused).off_record() },
+            NotDone::Refused(refused, luggage, hall) => Problem { luggage, hall, ..Problem::refused(&refused).off_record() },
             NotDone::Gone => Problem::closing(),
         }
     }

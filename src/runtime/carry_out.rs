@@ -7,6 +7,7 @@ use std::time::Duration;
 
 use super::handle::{Gone, Handle};
 use hallsweep_core::command::{Accepted, LuggageRef, Request};
+use hallsweep_core::hall::HallId;
 use hallsweep_core::refused::Refused;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::world::luggage::Luggage;
@@ -26,8 +27,8 @@ pub struct Done {
 #[derive(Clone, Debug)]
 pub enum NotDone {
     /// The core refused the command. If the command was about a known piece of luggage, the second value is the
-    /// record of this piece.
-    Refused(Refused, Option<Arc<Luggage>>),
+    /// record of this piece. The third value is the hall as in `Snapshot::hall`.
+    Refused(Refused, Option<Arc<Luggage>>, Option<HallId>),
     Gone,
 }
 
@@ -42,7 +43,7 @@ impl Handle {
         async move {
             match given.await {
                 Ok(Ok(accepted)) => Ok(Done { accepted, snapshot: handle.seen(accepted).await }),
-                Ok(Err(refused)) => Err(NotDone::Refused(refused, handle.record(about))),
+                Ok(Err(refused)) => Err(NotDone::Refused(refused, handle.record(about), handle.snapshot().hall.clone())),
                 Err(Gone) => Err(NotDone::Gone),
             }
         }
@@ -118,7 +119,7 @@ mod tests {
     async fn a_refusal_and_an_end_are_told_apart() {
         let refused = Refused::UnknownLuggage(LuggageId(9));
         let not_done = answering(Err(refused.clone()), Revision(1)).carry_out(start()).await.expect_err("refused");
-        assert!(matches!(not_done, NotDone::Refused(said, None) if said == refused));
+        assert!(matches!(not_done, NotDone::Refused(said, None, None) if said == refused));
         let (commands, _) = mpsc::channel(COMMANDS);
         let gone = Handle::new(commands, answering(accepted(1), Revision(1)).watch(), Halter::new(Epoch(0)));
         assert!(matches!(gone.carry_out(start()).await, Err(NotDone::Gone)));

@@ -47,6 +47,7 @@ pub(crate) fn idle() -> Snapshot {
     };
     Snapshot {
         run: Arc::from("t-1"),
+        hall: None,
         revision: Revision(1),
         revisions: [Revision(1); Resource::COUNT],
         mission: idle_mission(),

@@ -8,7 +8,7 @@ use axum::middleware::Next;
 use axum::response::{IntoResponse, Redirect, Response};
 
 use super::guard::is_for_people;
-use super::halls::{Entered, Halls};
+use super::halls::{self, Entered, Halls};
 use super::hearing::Pressed;
 use super::peer::{Peer, cookies};
 use super::prefix::is_of_the_process;
@@ -135,6 +135,11 @@ pub(super) async fn gate(
         }
         return stranger(process, peer, &path, &request);
     };
+    if hall.is_none() && request.uri().path() == halls::LIST {
+        request.extensions_mut().insert(halls);
+        request.extensions_mut().insert(caller);
+        return next.run(request).await;
+    }
     let Some(door) = halls.seen_by(&caller, hall.as_ref()) else {
         return Problem::no_hall().into_response();
     };

@@ -13,6 +13,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, PoisonError, RwLock};
 
+use axum::Extension;
 use axum::extract::{FromRequestParts, Request};
 use axum::http::Uri;
 use axum::http::request::Parts;
@@ -20,9 +21,11 @@ use axum::middleware::Next;
 use axum::response::Response;
 
 use super::hearing::Arrived;
+use super::peer::LetIn;
 use super::problem::Problem;
 use super::{HttpDoor, Process, STREAMS, console, map_files, reports, sign_in};
 use crate::access::{Access, Caller};
+use crate::api::halls::{HallJson, HallListJson};
 use crate::doors::connection_limits::{ConnectionBudget, StreamQuota};
 use crate::doors::http::mqtt::Hall;
 use crate::runtime::archive_reader::ArchiveReader;
@@ -38,6 +41,8 @@ const EVACUATION_M: f64 = 100.0;
 
 /// What this door needs of one hall.
 pub struct HallDoor {
+    /// Name of the hall in its addresses; `None` for the default hall.
+    id: Option<HallId>,
     pub(super) handle: Handle,
     pub(super) archive: ArchiveReader,
     name: Arc<str>,
@@ -62,6 +67,7 @@ impl HallDoor {
     /// Creates the door of a hall. `name` is the name of the hall on the page, unless a simulator reports another name.
     pub fn new(handle: Handle, archive: ArchiveReader, name: &str) -> HallDoor {
         HallDoor {
+            id: handle.snapshot().hall.clone(),
             handle,
             archive,
             name: Arc::from(name),
@@ -76,6 +82,10 @@ impl HallDoor {
             settings: Settings::default(),
             simulator: None,
         }
+    }
+
+    pub(super) fn id(&self) -> Option<&HallId> {
+        self.id.as_ref()
     }
 
     pub fn with_simulator(self, simulator: Option<Arc<dyn Simulator>>) -> HallDoor {
@@ -173,6 +183,12 @@ impl Halls {
         Arrived { hall, epoch }
     }
 
+    /// Returns the halls that this caller may know of, sorted by name.
+    fn all_seen_by(&self, caller: &Caller) -> Vec<(HallId, Arc<HallDoor>)> {
+        let all = self.all.read().unwrap_or_else(PoisonError::into_inner);
+        all.iter().filter(|(id, _)| caller.sees(id)).map(|(id, hall)| (id.clone(), Arc::clone(hall))).collect()
+    }
+
     fn door(&self, hall: &Arc<HallDoor>) -> HttpDoor {
         HttpDoor { process: Arc::clone(&self.process), hall: Arc::clone(hall) }
     }
@@ -209,6 +225,15 @@ fn named(path: &str) -> Option<(HallId, String)> {
     let (above, rest) = of_a_page.or_else(|| path.strip_prefix("/api/v1/halls/").map(|rest| ("/api/v1", rest)))?;
     let (hall, within) = rest.split_once('/').unwrap_or((rest, ""));
     Some((HallId::new(hall)?, format!("{above}/{within}")))
+}
+
+/// Address of the list of halls. It is of no hall, so each key gets the halls that it sees.
+pub(super) const LIST: &str = "/api/v1/halls";
+
+/// `GET halls`: the halls that the caller may know of.
+pub(super) async fn list(LetIn(caller): LetIn, Extension(halls): Extension<Halls>) -> axum::Json<HallListJson> {
+    let hall = |(id, hall): (HallId, Arc<HallDoor>)| HallJson::new(&id, &hall.place().0, &hall.handle.snapshot());
+    axum::Json(HallListJson { halls: halls.all_seen_by(&caller).into_iter().map(hall).collect() })
 }
 
 /// The door that the gate has stored.

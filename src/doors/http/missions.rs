@@ -10,6 +10,7 @@ use super::etag::by_content;
 use super::problem::Problem;
 use super::query::{MOST, Query};
 use super::reading::Number;
+use crate::api::address::address;
 use crate::api::map::{MapJson, Plan};
 use crate::api::map_text;
 use crate::api::mission_record::{
@@ -20,6 +21,7 @@ use crate::api::retrieval_record::RetrievalRecordJson;
 use crate::api::time::rfc3339;
 use crate::report::receipt::Receipt;
 use crate::runtime::archive::{Archive, At, Happened, MissionRecord, PastMoment, Sound, Span, Unreadable};
+use hallsweep_core::hall::HallId;
 use hallsweep_core::state::PersistentState;
 use hallsweep_core::state::fact::{Entry, Fact};
 use hallsweep_core::units::{MissionId, Seq};
@@ -49,15 +51,19 @@ pub(super) async fn list(door: HttpDoor, query: Query, headers: HeaderMap) -> Re
     query.only(&["before", "limit"])?;
     let limit = query.count("limit", 1..=MOST_MISSIONS)?.unwrap_or(MISSIONS);
     let (records, next) = newest(&door, before(&query)?, limit).await?;
-    let next = next.map(|before| format!("/api/v1/missions?before={before}&limit={limit}"));
-    let missions = records.iter().map(MissionRecordJson::from).collect();
+    let next = next.map(|before| address(door.hall.id(), &format!("/api/v1/missions?before={before}&limit={limit}")));
+    let missions = records.iter().map(|record| summary(record, door.hall.id())).collect();
     Ok(by_content(&headers, JSON, json(&MissionListJson { missions, next })))
 }
 
 /// `GET missions/{id}`: one mission, with its luggage and its map.
 pub(super) async fn mission(door: HttpDoor, Number(id): Number, headers: HeaderMap) -> Result<Response, Problem> {
     let RecordedMission { record, state, damage } = recorded(&door, id).await?;
-    Ok(by_content(&headers, JSON, json(&MissionWholeJson::new((&record).into(), state.as_ref(), damage))))
+    Ok(by_content(
+        &headers,
+        JSON,
+        json(&MissionWholeJson::new(summary(&record, door.hall.id()), state.as_ref(), damage, door.hall.id())),
+    ))
 }
 
 /// `GET missions/{id}/moment`: the state after the last entry up to `at`. Without `at`, the state after the last
@@ -66,7 +72,7 @@ pub(super) async fn moment(door: HttpDoor, Number(id): Number, query: Query, hea
     query.only(&["at"])?;
     let at = At::Entry(at(&query)?.unwrap_or(Seq(MOST)));
     let [PastMoment { past: Sound { of: past, damage }, wall, .. }] = stood(&door, id, [at]).await?;
-    Ok(by_content(&headers, JSON, json(&MomentJson::new(MissionId(id), &past, wall, damage))))
+    Ok(by_content(&headers, JSON, json(&MomentJson::new(MissionId(id), &past, wall, damage, door.hall.id()))))
 }
 
 pub(super) fn at(query: &Query) -> Result<Option<Seq>, Problem> {
@@ -115,7 +121,8 @@ async fn listed(
     query.only(&["after", "limit"])?;
     let limit = query.count("limit", 1..=EVENTS)?.unwrap_or(EVENTS);
     let (entries, next) = of_these(door, id, after(query)?, limit, which).await?;
-    let next = next.map(|after| format!("{}/{name}?after={after}&limit={limit}", Links::of(MissionId(id)).itself));
+    let next =
+        next.map(|after| format!("{}/{name}?after={after}&limit={limit}", Links::of(MissionId(id), door.hall.id()).itself));
     let entries = entries.into_iter().map(|(seq, entry)| (seq, entry.map_err(|unreadable| unreadable.0))).collect();
     Ok(by_content(headers, JSON, events_json(MissionId(id), entries, next)))
 }
@@ -165,7 +172,8 @@ pub(super) async fn receipts(door: HttpDoor, Number(id): Number, query: Query, h
     query.only(&["after", "limit"])?;
     let limit = query.count("limit", 1..=RECEIPTS)?.unwrap_or(RECEIPTS);
     let (found, next) = of_these(&door, id, after(&query)?, limit, Receipt::all).await?;
-    let next = next.map(|after| format!("{}/receipts?after={after}&limit={limit}", Links::of(MissionId(id)).itself));
+    let next =
+        next.map(|after| format!("{}/receipts?after={after}&limit={limit}", Links::of(MissionId(id), door.hall.id()).itself));
     let (mut receipts, mut damage) = (Vec::new(), Vec::new());
     for (seq, receipt) in found {
         match receipt {
@@ -271,20 +279,19 @@ fn json(value: &impl serde::Serialize) -> String {
     serde_json::to_string(value).expect("a record is strings and numbers, which JSON can hold")
 }
 
-impl From<&MissionRecord> for MissionRecordJson {
-    fn from(record: &MissionRecord) -> MissionRecordJson {
-        MissionRecordJson {
-            id: record.id.0,
-            strategy: record.strategy.to_string(),
-            began: rfc3339(record.began),
-            archived: record.archived.map(rfc3339),
-            phase: record.phase.to_string(),
-            pieces: record.luggage,
-            dangerous: record.dangerous,
-            left: record.left.iter().map(|luggage| luggage.0).collect(),
-            exercise: record.is_exercise,
-            links: Links::of(record.id),
-        }
+/// The summary of a mission of this hall.
+pub(super) fn summary(record: &MissionRecord, hall: Option<&HallId>) -> MissionRecordJson {
+    MissionRecordJson {
+        id: record.id.0,
+        strategy: record.strategy.to_string(),
+        began: rfc3339(record.began),
+        archived: record.archived.map(rfc3339),
+        phase: record.phase.to_string(),
+        pieces: record.luggage,
+        dangerous: record.dangerous,
+        left: record.left.iter().map(|luggage| luggage.0).collect(),
+        exercise: record.is_exercise,
+        links: Links::of(record.id, hall),
     }
 }
 

@@ -13,8 +13,9 @@ use super::problem::Problem;
 /// Tag after which the `<base>` of a page is inserted. Templates use addresses relative to the root.
 const HEAD: &str = "<head>";
 
-/// Pages of the process. Their cookies are for the folder that the page is in, so no hall has such pages of its own.
-const OF_THE_PROCESS: [&str; 2] = ["/sign-in", "/sign-out"];
+/// What the process has once: the cookies of these pages are for the folder that the page is in, and the description of
+/// the interface names no hall.
+const OF_THE_PROCESS: [&str; 3] = ["/sign-in", "/sign-out", "/api/v1/openapi.json"];
 
 /// Maximum length in bytes of the path to return to after signing in.
 pub(super) const LONGEST_PATH: usize = 512;

@@ -58,9 +58,9 @@ pub(super) async fn luggage(door: HttpDoor, Number(id): Number, headers: HeaderM
     let luggage = record(&door, &snapshot, id).await?;
     let tag = tag(&snapshot.run, ResourceKind::Piece.revision(&snapshot), "json");
     let json = || match snapshot.luggage(luggage.id) {
-        Some(_) => resources::marked(&snapshot, Form::Json, &LuggageJson::from(&*luggage)),
+        Some(_) => resources::marked(&snapshot, Form::Json, &LuggageJson::new(&luggage, door.hall.id())),
         // A piece of an earlier mission is not of the exercise of the present one.
-        None => resources::shape(Form::Json, &LuggageJson::from(&*luggage)),
+        None => resources::shape(Form::Json, &LuggageJson::new(&luggage, door.hall.id())),
     };
     Ok(conditional(&headers, &tag, || ([(header::CONTENT_TYPE, "application/json")], json()).into_response()))
 }

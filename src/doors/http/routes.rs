@@ -14,8 +14,8 @@ use axum::routing::{MethodFilter, MethodRouter, on};
 use super::gate::{Gate, gate};
 use super::reading::Number;
 use super::{
-    Halls, HttpDoor, assets, command, console, events, laboratory, language, map_files, metrics, missions, mqtt, old, openapi,
-    problem, reads, reports, sign_in, simulator,
+    Halls, HttpDoor, assets, command, console, events, halls, laboratory, language, map_files, metrics, missions, mqtt, old,
+    openapi, problem, reads, reports, sign_in, simulator,
 };
 use crate::access::Need;
 use crate::access::Need::{Act, Nothing, See, Stop};
@@ -114,6 +114,7 @@ fn files_of_the_map() -> Vec<RouteRow> {
 fn changes_and_past() -> Vec<RouteRow> {
     vec![
         get("/metrics", See, metrics::metrics),
+        get(halls::LIST, See, halls::list),
         get("/api/v1/robots", See, reads::robots),
         get("/api/v1/events", See, events::events),
         get("/api/v1/missions", See, missions::list),

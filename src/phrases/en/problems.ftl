@@ -28,6 +28,7 @@ problem-unsupportedMediaType = { $detail }
 problem-methodNotAllowed = { $detail }
 problem-notAcceptable = { $detail }
 problem-notFound = { $detail }
+problem-noHall = { $detail }
 problem-notSignedIn = { $detail }
 problem-foreignOrigin = { $detail }
 problem-foreignHost = { $detail }

@@ -28,6 +28,7 @@ problem-unsupportedMediaType = questo formato qui non si legge: «{ $detail }»
 problem-methodNotAllowed = questo indirizzo non risponde a una richiesta di questo tipo: «{ $detail }»
 problem-notAcceptable = non c'è in nessuno dei formati richiesti: «{ $detail }»
 problem-notFound = non si trova: «{ $detail }»
+problem-noHall = non c'è nessuna sala con questo nome, o questa chiave non la vede
 problem-notSignedIn = nessuno ha fatto l'accesso: accedere a /sign-in; i token si vedono con hallsweep token sulla sua macchina
 problem-foreignOrigin = l'ha inviata una pagina di un'altra origine: i comandi si accettano dalla pagina di hallsweep e dai programmi
 problem-foreignHost = questo non è un nome di hallsweep: chiamarlo con il suo indirizzo (sulla sua macchina: localhost), o elencare in http.hosts i nomi con cui lo si raggiunge

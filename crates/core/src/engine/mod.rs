@@ -80,6 +80,7 @@ use crate::arm::Parcel;
 use crate::command::Strategy;
 use crate::engine::model::World;
 use crate::engine::robots::Robots;
+use crate::hall::HallId;
 use crate::hold::{Hold, HoldReason};
 use crate::snapshot::Snapshot;
 use crate::snapshot::log::Tone;
@@ -119,6 +120,11 @@ pub struct Engine {
 }
 
 impl Engine {
+    /// Sets the name of this hall in its addresses, which the snapshots show.
+    pub fn name_hall(&mut self, hall: HallId) {
+        self.world.hall = Some(hall);
+    }
+
     /// Returns an engine in which nothing has happened yet. The robot is at home, faces south and is idle. `run`
     /// names this run of the program.
     #[must_use]

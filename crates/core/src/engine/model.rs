@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use crate::hall::HallId;
 use crate::settings::Settings;
 use crate::snapshot::log::{Log, Tone};
 use crate::snapshot::said::Said;
@@ -13,6 +14,8 @@ use crate::world::temperature::Thermometer;
 #[derive(Clone, Debug)]
 pub(crate) struct World {
     pub(crate) run: Arc<str>,
+    /// Name of this hall in its addresses; `None` for the default hall.
+    pub(crate) hall: Option<HallId>,
     pub(crate) thermometer: Thermometer,
     pub(crate) log: Log,
     /// Why nothing can be recorded now, as text from the store.
@@ -27,6 +30,7 @@ impl World {
     pub(crate) fn new(run: Arc<str>, settings: &Settings) -> World {
         World {
             run,
+            hall: None,
             thermometer: Thermometer::new(settings.threshold, settings.hysteresis),
             log: Log::default(),
             store_failure: None,

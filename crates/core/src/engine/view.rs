@@ -85,6 +85,7 @@ impl Engine {
             |resource: Resource| self.taken.as_ref().filter(|taken| taken.revision_of(resource) == revisions[resource as usize]);
         Snapshot {
             run: Arc::clone(&self.world.run),
+            hall: self.world.hall.clone(),
             revision: self.world.revision(),
             revisions,
             robots: self.robots_shown(&shown),

@@ -14,6 +14,7 @@ use std::time::Duration;
 use self::searched::SearchedHall;
 use crate::closing::{Closed, OpenInArea, OpenPoints};
 use crate::command::Strategy;
+use crate::hall::HallId;
 use crate::hold::Hold;
 use crate::phase::{FaultCause, PhaseName};
 use crate::refused::Refused;
@@ -37,6 +38,8 @@ use crate::world::temperature::TemperatureView;
 pub struct Snapshot {
     /// Identifies the run of the program. Revisions of different runs cannot be compared.
     pub run: Arc<str>,
+    /// Name of this hall in its addresses; `None` for the default hall, whose addresses name no hall.
+    pub hall: Option<HallId>,
     /// Number of changes so far.
     pub revision: Revision,
     /// The revision of the last change of each resource, in the order of `Resource::ALL`.

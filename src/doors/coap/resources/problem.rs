@@ -183,7 +183,7 @@ mod tests {
         let json: serde_json::Value = serde_json::from_slice(&response.body).unwrap();
         assert_eq!((&json["status"], &json["code"], &json["accepted"]), (&409.into(), &"moving".into(), &false.into()));
         assert_eq!(json["type"], "urn:hallsweep:problem:moving");
-        let refused = NotDone::Refused(Refused::Moving, Some(piece(3, Cell::new(3, 2), None)));
+        let refused = NotDone::Refused(Refused::Moving, Some(piece(3, Cell::new(3, 2), None)), None);
         let with_record = Problem::from(refused).response(&request);
         let json: serde_json::Value = serde_json::from_slice(&with_record.body).unwrap();
         assert_eq!(json["luggage"]["photo"]["url"], "/luggage/3/photo");

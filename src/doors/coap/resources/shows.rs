@@ -42,7 +42,7 @@ pub(super) fn body(show: Show, number: u64, format: Format, snapshot: &Snapshot)
 }
 
 pub(super) fn past_piece(found: &Luggage, format: Format) -> Vec<u8> {
-    resources::shape(form_of(format), &at_this_door(LuggageJson::from(found)))
+    resources::shape(form_of(format), &at_this_door(LuggageJson::new(found, None)))
 }
 
 /// Replaces the path of the photo, because `LuggageJson` contains its path at the HTTP door.

@@ -15,6 +15,7 @@ use crate::api::answer::AnswerJson;
 use crate::api::changes::ChangesJson;
 use crate::api::commands::{self, COMMANDS, CommandKind, Methods};
 use crate::api::hall_files::ReadHall;
+use crate::api::halls::HallListJson;
 use crate::api::map::MapJson;
 use crate::api::map_files::FILES;
 use crate::api::mission_record::{EventListJson, MissionListJson, MissionWholeJson, MomentJson};
@@ -125,6 +126,8 @@ fn state(schemas: &mut Schemas) -> Vec<Operation> {
     let robots = schemas.sent::<Vec<RobotBySettingsJson>>();
     let last = "`id` of the last event that the client received.";
     vec![
+        get("/api/v1/halls", "getHalls", State, "The halls that the key of the request sees")
+            .answers(JSON, schemas.sent::<HallListJson>()),
         get("/api/v1/robots", "getRobots", State, "All robots, each with its kind and address").tagged().answers(JSON, robots),
         get("/api/v1/events", "getEvents", State, events)
             .told("Last-Event-ID", last, text())

@@ -104,7 +104,7 @@ impl Results {
         tokio::spawn(async move {
             match tokio::time::timeout(PATIENCE, done).await {
                 Ok(Ok(Done { accepted: Accepted { is_kept_back: true, .. }, .. })) => {}
-                Ok(Err(NotDone::Refused(_, Some(piece)))) if reply.is_confidential && piece.is_pending() => {}
+                Ok(Err(NotDone::Refused(_, Some(piece), _))) if reply.is_confidential && piece.is_pending() => {}
                 Ok(Err(NotDone::Gone)) | Err(_) if reply.is_confidential => {}
                 Ok(Ok(done)) => results.accepted(&reply, &publisher, &done),
                 Ok(Err(not_done)) => results.refused(&reply, &publisher, &not_done.into()),
