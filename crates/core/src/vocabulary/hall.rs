@@ -16,6 +16,15 @@ impl HallId {
         is_plain(text, HallId::MOST).then(|| HallId(Arc::from(text)))
     }
 
+    /// The name of the only hall of a process whose settings give it none.
+    ///
+    /// # Panics
+    /// Never: `main` follows the rule of `new`.
+    #[must_use]
+    pub fn main() -> HallId {
+        HallId::new("main").expect("it has small letters only")
+    }
+
     #[must_use]
     pub fn name(&self) -> &str {
         &self.0
