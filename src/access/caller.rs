@@ -5,10 +5,11 @@ use std::net::IpAddr;
 use std::sync::Arc;
 
 use super::keyring::Keyring;
-use super::keys::{OPERATOR, SignedIn};
+use super::keys::{OPERATOR, SignedIn, sees};
 use super::moment::Moment;
 use super::network::is_this_machine;
 use super::role::{Need, Role};
+use hallsweep_core::hall::HallId;
 
 #[derive(Clone, Debug)]
 pub enum Access {
@@ -70,6 +71,14 @@ impl Caller {
         }
     }
 
+    /// Whether the caller may know of this hall. What the caller may do there, its role says: see `may`.
+    pub fn sees(&self, hall: &HallId) -> bool {
+        match self {
+            Caller::Here => true,
+            Caller::Known(signed_in) => sees(signed_in.halls.as_deref(), hall),
+        }
+    }
+
     /// Checks that the caller has the right `need`. The error is a message for the caller.
     pub fn may(&self, need: Need) -> Result<(), String> {
         if self.role().may(need) {
@@ -81,5 +90,36 @@ impl Caller {
             self.name(),
             self.role().name()
         ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::access::keys::{Keys, halls};
+
+    #[test]
+    fn a_limited_key_sees_its_halls_and_no_other_and_its_role_stays_its_role() {
+        let [main, south, east, sout] = ["main", "south", "east", "sout"].map(|name| HallId::new(name).unwrap());
+        let mut keys = Keys::first().unwrap();
+        let limited = Some(halls(["south", "east"]).unwrap());
+        keys.add("lobby", Role::Viewer, limited.clone()).unwrap();
+        keys.add("south-desk", Role::Operator, limited).unwrap();
+        keys.add("wall", Role::Viewer, None).unwrap();
+        let caller = |name: &str| Caller::Known(keys.check(keys.named(name).unwrap().token.reveal()).unwrap());
+        for (caller, sees_all, may_act) in [
+            (Caller::Here, true, true),
+            (caller("operator"), true, true),
+            (caller("wall"), true, false),
+            (caller("lobby"), false, false),
+            (caller("south-desk"), false, true),
+        ] {
+            let seen = [&south, &east, &main, &sout].map(|hall| caller.sees(hall));
+            assert_eq!(seen, [true, true, sees_all, sees_all], "{caller:?}");
+            assert_eq!(caller.may(Need::Act).is_ok(), may_act, "{caller:?}");
+        }
+        for key in keys.iter() {
+            assert!([&south, &main].iter().all(|hall| key.sees(hall) == caller(&key.name).sees(hall)), "{}", key.name);
+        }
     }
 }

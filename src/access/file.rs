@@ -8,22 +8,27 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use super::error::AccessError;
-use super::keys::{Key, Keys};
+use super::keys::{self, Key, Keys};
 use super::role::Role;
 use super::token::Token;
 use crate::storage::names;
 use crate::storage::private_file::{PrivateFile, Readers};
+use hallsweep_core::hall::HallId;
 
-/// Maximum size of the file in bytes: ten times the size that the maximum number of keys needs.
-const LARGEST: u64 = 128 * 1024;
+/// Maximum size of the file in bytes: three times the size that the maximum number of keys needs, each limited to the
+/// maximum number of halls.
+const LARGEST: u64 = 1024 * 1024;
 
 const HEADER: &str = "# hallsweep's keys. Whoever has an operator's token can command the robot: keep this file private.\n\
                       # `hallsweep token` shows, adds, replaces and removes keys, also while hallsweep runs.\n\n";
 
 /// Advice on the format, for a file that cannot be parsed.
-const SHAPE: &str = "a key is the line [[key]], then name, role (\"operator\" or \"viewer\") and token, each once and in quotes";
+const SHAPE: &str = "a key is the line [[key]], then name, role (\"operator\" or \"viewer\") and token, each once and in quotes; \
+                     the line halls = [\"NAME\", \"NAME\"] limits a key to these halls";
 
 const NAME: &str = "use 1 to 32 letters, digits, - and _";
+
+const HALL_NAMES: &str = "name 1 to 128 halls, each once, with 1 to 32 small letters, digits and -, the first a letter";
 
 #[derive(Clone, Debug)]
 pub struct KeyFile(PrivateFile);
@@ -43,6 +48,8 @@ struct Written {
 struct WrittenKey {
     name: String,
     role: Role,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    halls: Option<Vec<String>>,
     token: String,
 }
 
@@ -96,19 +103,27 @@ impl KeyFile {
             let before = error.span().and_then(|span| text.get(..span.start)).unwrap_or_default();
             malformed(format!("line {} cannot be read: {SHAPE}", before.matches('\n').count() + 1))
         })?;
-        let mut keys = Vec::new();
-        for (number, WrittenKey { name, role, token }) in (1..).zip(read.key) {
+        let mut all = Vec::new();
+        for (number, WrittenKey { name, role, halls, token }) in (1..).zip(read.key) {
             let token = Token::read(&token).ok_or_else(|| malformed(format!("the token of key {number} is not valid")))?;
+            // The user may have written the token in place of a name, so the errors quote no name.
             let key = Key::new(&name, role, token);
-            // The user may have written the token in place of the name, so the error does not quote the name.
-            keys.push(key.map_err(|_| malformed(format!("the name of key {number} is not valid: {NAME}")))?);
+            let mut key = key.map_err(|_| malformed(format!("the name of key {number} is not valid: {NAME}")))?;
+            let halls = halls.map(|halls| keys::halls(halls.iter().map(String::as_str))).transpose();
+            key.halls = halls.map_err(|_| malformed(format!("the halls of key {number} are not valid: {HALL_NAMES}")))?;
+            all.push(key);
         }
-        Keys::new(keys).map_err(|error| malformed(error.to_string()))
+        Keys::new(all).map_err(|error| malformed(error.to_string()))
     }
 }
 
 pub(super) fn written(keys: &Keys) -> String {
-    let key = |key: &Key| WrittenKey { name: key.name.to_string(), role: key.role, token: key.token.reveal().to_owned() };
+    let key = |key: &Key| WrittenKey {
+        name: key.name.to_string(),
+        role: key.role,
+        halls: key.halls.as_deref().map(|halls| halls.iter().map(HallId::to_string).collect()),
+        token: key.token.reveal().to_owned(),
+    };
     let all = Written { key: keys.iter().map(key).collect() };
     format!("{HEADER}{}", toml::to_string(&all).expect("names, roles and tokens are strings, which TOML can hold"))
 }

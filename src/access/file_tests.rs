@@ -1,6 +1,8 @@
 //! Tests of the key file: faults that it survives, and contents that it refuses. They are in a separate file because
 //! they are long.
 
+use std::sync::Arc;
+
 use super::*;
 use crate::storage::tests::scratch::Scratch;
 
@@ -15,7 +17,7 @@ fn what_was_written_is_read_again() {
     let file = KeyFile::within(&folder.0.join("deeper"));
     assert!(file.read().unwrap().is_none(), "there is none yet");
     let mut keys = Keys::first().unwrap();
-    keys.add("lobby", Role::Viewer).unwrap();
+    keys.add("lobby", Role::Viewer, None).unwrap();
     file.write(&keys).unwrap();
     let read = file.read().unwrap().unwrap();
     for (kept, key) in read.iter().zip(keys.iter()) {
@@ -23,6 +25,77 @@ fn what_was_written_is_read_again() {
     }
     assert_eq!(read.iter().count(), 2);
     assert_eq!(fs::read_dir(folder.0.join("deeper")).unwrap().count(), 1, "nothing else is left there");
+}
+
+/// Safety A1: a file of earlier versions stays as it is, and a limited key does not become an unlimited one.
+#[test]
+fn a_file_is_written_again_byte_for_byte_with_and_without_halls() {
+    let folder = Scratch::new();
+    let file = KeyFile::within(&folder.0);
+    let (one, other) = ("ab".repeat(32), "cd".repeat(32));
+    let earlier = format!(
+        "{HEADER}[[key]]\nname = \"operator\"\nrole = \"operator\"\ntoken = \"{one}\"\n\n[[key]]\nname = \"lobby\"\nrole = \
+         \"viewer\"\n"
+    );
+    for halls in [None, Some("[\"south\"]"), Some("[\"south\", \"east\"]"), Some("[\"east\", \"south\"]")] {
+        let line = halls.map(|halls| format!("halls = {halls}\n")).unwrap_or_default();
+        let text = format!("{earlier}{line}token = \"{other}\"\n");
+        file.0.replace(text.as_bytes()).unwrap();
+        let keys = file.read().unwrap().unwrap();
+        file.write(&keys).unwrap();
+        assert_eq!(fs::read_to_string(file.path()).unwrap(), text);
+        assert_eq!(keys.named("lobby").unwrap().sees(&HallId::new("west").unwrap()), halls.is_none(), "{halls:?}");
+    }
+}
+
+/// Otherwise `hallsweep token` could write a file that nobody can read any more.
+#[test]
+fn as_many_keys_as_possible_with_as_many_halls_as_possible_are_read_again() {
+    let folder = Scratch::new();
+    let file = KeyFile::within(&folder.0);
+    let names: Vec<String> = (0..128).map(|number| format!("h{number:031}")).collect();
+    let halls = keys::halls(names.iter().map(String::as_str)).unwrap();
+    let mut keys = Keys::first().unwrap();
+    while keys.add(&format!("k{:031}", keys.iter().count()), Role::Operator, Some(Arc::clone(&halls))).is_ok() {}
+    file.write(&keys).unwrap();
+    assert!(fs::metadata(file.path()).unwrap().len() * 3 <= LARGEST);
+    assert_eq!(file.read().unwrap().unwrap().iter().filter(|key| key.halls.as_ref() == Some(&halls)).count(), 63);
+}
+
+/// Safety A1: a file that was edited by hand never admits anybody to more halls than its owner meant.
+#[test]
+fn halls_that_are_none_are_refused_without_a_word_that_may_be_a_token() {
+    let folder = Scratch::new();
+    let file = KeyFile::within(&folder.0);
+    let token = "ab".repeat(32);
+    let key = |name: &str, line: &str| {
+        format!("[[key]]\nname = \"{name}\"\nrole = \"operator\"\n{line}\ntoken = \"{}\"\n", token.replace('a', &name[..1]))
+    };
+    let many: Vec<String> = (0..129).map(|number| format!("h{number}")).collect();
+    for (line, words) in [
+        ("halls = []", "halls of key 2"),
+        ("halls = [\"\"]", "halls of key 2"),
+        ("halls = [\"South\"]", "halls of key 2"),
+        ("halls = [\"south east\"]", "halls of key 2"),
+        ("halls = [\"south\", \"east\", \"south\"]", "halls of key 2"),
+        (&format!("halls = [\"south\", \"{token}\"]"), "halls of key 2"),
+        (&format!("halls = {many:?}"), "halls of key 2"),
+        ("halls = \"south\"", "line 9 cannot be read"),
+        (&format!("halls = \"{token}\""), "line 9 cannot be read"),
+        (&format!("halls = [{token}]"), "line 9 cannot be read"),
+        ("halls = [[\"south\"]]", "line 9 cannot be read"),
+        ("halls = [1]", "line 9 cannot be read"),
+        ("halls = false", "line 9 cannot be read"),
+        ("halls = [\"south\"]\nhalls = [\"east\"]", "line 10 cannot be read"),
+        ("hall = [\"south\"]", "line 9 cannot be read"),
+        ("Halls = [\"south\"]", "line 9 cannot be read"),
+    ] {
+        let said = overwritten(&file, &(key("chief", "") + &key("desk", line)));
+        assert!(said.contains(words) && said.contains("access.toml"), "{line}: {said}");
+        assert!(!said.contains("abab") && !said.contains("South"), "{line}: {said}");
+    }
+    let said = overwritten(&file, &(key("chief", "halls = [\"south\"]") + &key("desk", "halls = [\"east\"]")));
+    assert!(said.contains("for all halls"), "nobody could act in every hall: {said}");
 }
 
 #[test]

@@ -102,7 +102,7 @@ impl Keyring {
         session::opened(&self.keys(), &self.run, cookie, now)
     }
 
-    /// Whether a caller is still valid: the key exists with the same token and role, and the session has not ended.
+    /// Whether a caller is still valid: the key exists with the same token, role and halls, and the session has not ended.
     pub fn still_knows(&self, signed_in: &SignedIn, now: Moment) -> bool {
         let lasts = signed_in.end.is_none_or(|end| end.is_ahead(now));
         lasts && self.keys().named(&signed_in.name).is_ok_and(|key| key.still_is(signed_in))
@@ -215,6 +215,34 @@ mod tests {
         assert_eq!(keyring.session(&cookie, NOW), None);
         assert!(!keyring.still_knows(&by_token, NOW) && !keyring.still_knows(&by_cookie, NOW));
         assert!(keyring.check(keys.named("operator").unwrap().token.reveal()).is_some());
+    }
+
+    /// Safety A1.
+    #[test]
+    fn a_hand_that_changes_the_halls_of_a_key_ends_what_is_open_with_it_and_nothing_else() {
+        let folder = Scratch::new();
+        let file = KeyFile::within(&folder.0);
+        let mut keys = Keys::first().unwrap();
+        let shown = keys.add("lobby", Role::Viewer, None).unwrap().token.reveal().to_owned();
+        file.write(&keys).unwrap();
+        let keyring = Keyring::of(keys).unwrap();
+        let mut followed = Followed { seen: file.stamp().ok(), file: file.clone() };
+        let cookie = keyring.sign_in(&shown, &Person::default(), NOW).unwrap();
+        let signed_in = || [keyring.check(&shown).unwrap(), keyring.session(&cookie, NOW).unwrap()];
+        let operator = keyring.check(&token(&keyring)).unwrap();
+        let whole = std::fs::read_to_string(file.path()).unwrap();
+        for line in ["halls = [\"south\"]\n", "halls = [\"south\", \"east\"]\n", "halls = [\"east\", \"south\"]\n", ""] {
+            let before = signed_in();
+            std::fs::write(file.path(), whole.replace("role = \"viewer\"\n", &format!("role = \"viewer\"\n{line}"))).unwrap();
+            followed.look(&keyring.keys);
+            assert_eq!(before.map(|before| keyring.still_knows(&before, NOW)), [false; 2], "{line}");
+            assert_eq!(signed_in().map(|after| keyring.still_knows(&after, NOW)), [true; 2], "{line}");
+            assert!(keyring.still_knows(&operator, NOW), "others are left alone");
+        }
+        let before = signed_in();
+        std::fs::write(file.path(), whole.replace("\"viewer\"\n", "\"viewer\"\nhalls = []\n")).unwrap();
+        followed.look(&keyring.keys);
+        assert!(before.iter().all(|before| keyring.still_knows(before, NOW)), "what is malformed changes nothing");
     }
 
     /// Safety S1: an unreadable file admits nobody new, and locks nobody out.

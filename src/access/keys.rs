@@ -9,6 +9,7 @@ use super::error::AccessError;
 use super::moment::End;
 use super::role::Role;
 use super::token::Token;
+use hallsweep_core::hall::HallId;
 
 /// Name of the key that is created at the first start.
 pub const OPERATOR: &str = "operator";
@@ -17,6 +18,9 @@ pub const OPERATOR: &str = "operator";
 /// each request is compared with all keys.
 const MOST: usize = 64;
 
+/// Maximum number of halls to which a key is limited: the maximum number of halls of one process.
+const HALLS: usize = 128;
+
 /// Maximum length of a key's name. Names appear in records, in cookies and on pages.
 const NAME: usize = 32;
 
@@ -24,6 +28,8 @@ const NAME: usize = 32;
 pub struct Key {
     pub name: Arc<str>,
     pub role: Role,
+    /// The only halls that this key sees; `None` for all halls, also future ones.
+    pub halls: Option<Arc<[HallId]>>,
     pub token: Token,
     print: [u8; 32],
 }
@@ -34,13 +40,14 @@ pub struct SignedIn {
     pub role: Role,
     /// The name that a person gave when signing in with this key. It gives no rights.
     pub person: Option<Arc<str>>,
+    pub(super) halls: Option<Arc<[HallId]>>,
     /// Digest of the key's token. Each new token has a different digest.
     pub(super) print: [u8; 32],
     /// When the session ends; `None` for a token that is sent with each request.
     pub(super) end: Option<End>,
 }
 
-/// All keys. At least one is an operator's key, except when the key file cannot be used: then there are no keys.
+/// All keys. At least one is an operator's key for all halls, except when the key file cannot be used: then there are no keys.
 #[derive(Clone, Debug)]
 pub struct Keys(Vec<Key>);
 
@@ -51,7 +58,11 @@ impl Key {
             return Err(AccessError::Name(name.chars().take(2 * NAME).collect()));
         }
         let print = print(token.reveal());
-        Ok(Key { name: Arc::from(name), role, token, print })
+        Ok(Key { name: Arc::from(name), role, halls: None, token, print })
+    }
+
+    pub fn sees(&self, hall: &HallId) -> bool {
+        sees(self.halls.as_deref(), hall)
     }
 
     pub(super) fn still_is(&self, signed_in: &SignedIn) -> bool {
@@ -59,8 +70,36 @@ impl Key {
     }
 
     pub(super) fn holder(&self, end: Option<End>) -> SignedIn {
-        SignedIn { name: Arc::clone(&self.name), role: self.role, person: None, print: self.print, end }
+        SignedIn {
+            name: Arc::clone(&self.name),
+            role: self.role,
+            person: None,
+            halls: self.halls.clone(),
+            print: self.print,
+            end,
+        }
     }
+}
+
+/// The halls of a limited key. Refuses an empty list, because an empty list and no list are easily mistaken for each
+/// other.
+pub fn halls<'a>(names: impl IntoIterator<Item = &'a str>) -> Result<Arc<[HallId]>, AccessError> {
+    let mut halls = Vec::new();
+    for name in names {
+        if halls.len() >= HALLS {
+            return Err(AccessError::HallCount(HALLS));
+        }
+        let hall = HallId::new(name).ok_or_else(|| AccessError::Hall(name.chars().take(2 * HallId::MOST).collect()))?;
+        if halls.contains(&hall) {
+            return Err(AccessError::HallTwice(hall));
+        }
+        halls.push(hall);
+    }
+    if halls.is_empty() { Err(AccessError::HallCount(HALLS)) } else { Ok(halls.into()) }
+}
+
+pub(super) fn sees(halls: Option<&[HallId]>, hall: &HallId) -> bool {
+    halls.is_none_or(|halls| halls.contains(hall))
 }
 
 impl Keys {
@@ -72,7 +111,7 @@ impl Keys {
         Keys(Vec::new())
     }
 
-    /// Refuses duplicate names, too many keys, and a list without an operator's key.
+    /// Refuses duplicate names, too many keys, and a list without an operator's key for all halls.
     pub fn new(keys: Vec<Key>) -> Result<Keys, AccessError> {
         let mut all = Keys(Vec::new());
         keys.into_iter().try_for_each(|key| all.insert(key))?;
@@ -97,19 +136,20 @@ impl Keys {
         found.map(|place| self.0[place].holder(None))
     }
 
-    pub fn add(&mut self, name: &str, role: Role) -> Result<&Key, AccessError> {
-        self.insert(Key::new(name, role, Token::draw()?)?)?;
+    pub fn add(&mut self, name: &str, role: Role, halls: Option<Arc<[HallId]>>) -> Result<&Key, AccessError> {
+        self.insert(Key { halls, ..Key::new(name, role, Token::draw()?)? })?;
         self.named(name)
     }
 
     /// Gives a key a new token; the old token, and the sessions signed with it, become invalid.
     pub fn rotate(&mut self, name: &str) -> Result<&Key, AccessError> {
         let place = self.place(name)?;
-        self.0[place] = Key::new(name, self.0[place].role, Token::draw()?)?;
+        let Key { role, ref halls, .. } = self.0[place];
+        self.0[place] = Key { halls: halls.clone(), ..Key::new(name, role, Token::draw()?)? };
         Ok(&self.0[place])
     }
 
-    /// Removes a key. Refuses to remove the last operator's key.
+    /// Removes a key. Refuses to remove the last operator's key for all halls.
     pub fn remove(&mut self, name: &str) -> Result<(), AccessError> {
         let removed = self.0.remove(self.place(name)?);
         let kept = self.keep_an_operator(name);
@@ -131,8 +171,12 @@ impl Keys {
     }
 
     fn keep_an_operator(&self, name: &str) -> Result<(), AccessError> {
-        let is_kept = self.0.iter().any(|key| key.role == Role::Operator);
-        if is_kept { Ok(()) } else { Err(AccessError::LastOperator(name.to_owned())) }
+        let mut operators = self.0.iter().filter(|key| key.role == Role::Operator).peekable();
+        if operators.peek().is_none() {
+            return Err(AccessError::LastOperator(name.to_owned()));
+        }
+        let is_kept = operators.any(|key| key.halls.is_none());
+        if is_kept { Ok(()) } else { Err(AccessError::LastOfAllHalls(name.to_owned())) }
     }
 
     fn place(&self, name: &str) -> Result<usize, AccessError> {
@@ -154,7 +198,7 @@ mod tests {
 
     fn keys() -> Keys {
         let mut keys = Keys::first().unwrap();
-        keys.add("lobby", Role::Viewer).unwrap();
+        keys.add("lobby", Role::Viewer, None).unwrap();
         keys
     }
 
@@ -187,22 +231,89 @@ mod tests {
         let mut keys = keys();
         assert!(matches!(keys.remove(OPERATOR), Err(AccessError::LastOperator(_))));
         assert!(keys.named(OPERATOR).is_ok(), "it is still there");
-        keys.add("night-shift", Role::Operator).unwrap();
+        keys.add("night-shift", Role::Operator, None).unwrap();
         keys.remove(OPERATOR).unwrap();
         assert!(keys.remove("night-shift").is_err());
         keys.remove("lobby").unwrap();
+    }
+
+    fn of(names: &[&str]) -> Option<Arc<[HallId]>> {
+        Some(halls(names.iter().copied()).unwrap())
+    }
+
+    /// Safety A1.
+    #[test]
+    fn the_last_operator_of_all_halls_stays_though_others_have_some_halls() {
+        let mut keys = keys();
+        keys.add("south-desk", Role::Operator, of(&["south"])).unwrap();
+        keys.add("watcher", Role::Viewer, None).unwrap();
+        let said = keys.remove(OPERATOR).unwrap_err().to_string();
+        assert!(
+            said.contains("`operator` is the last operator's key for all halls") && said.contains("without --halls"),
+            "{said}"
+        );
+        assert!(keys.named(OPERATOR).is_ok(), "it is still there");
+        keys.add("night-shift", Role::Operator, None).unwrap();
+        keys.remove(OPERATOR).unwrap();
+        keys.remove("south-desk").unwrap();
+        let said = keys.remove("night-shift").unwrap_err().to_string();
+        assert_eq!(
+            said,
+            "`night-shift` is the last operator's key: add another with `hallsweep token add NAME --role operator` first"
+        );
+    }
+
+    #[test]
+    fn a_rotated_key_keeps_its_halls_and_a_key_that_is_added_again_has_the_new_ones() {
+        let mut keys = keys();
+        let old = keys.add("south-desk", Role::Operator, of(&["south", "east"])).unwrap().clone();
+        let new = keys.rotate("south-desk").unwrap().clone();
+        assert_eq!((new.role, &new.halls), (Role::Operator, &of(&["south", "east"])));
+        assert_eq!(keys.rotate("lobby").unwrap().halls, None);
+        let signed_in = [old, new].map(|key| key.holder(None));
+        assert!(!keys.named("south-desk").unwrap().still_is(&signed_in[0]));
+        assert!(keys.named("south-desk").unwrap().still_is(&signed_in[1]));
+        keys.remove("south-desk").unwrap();
+        let again = keys.add("south-desk", Role::Operator, of(&["east"])).unwrap();
+        assert!(again.halls == of(&["east"]) && !again.still_is(&signed_in[1]));
+    }
+
+    #[test]
+    fn whoever_is_signed_in_is_another_when_the_halls_of_the_key_change_at_all() {
+        let mut key = Key::new("lobby", Role::Viewer, Token::draw().unwrap()).unwrap();
+        let lists = [None, of(&["south"]), of(&["south", "east"]), of(&["east", "south"]), of(&["west"])];
+        for before in &lists {
+            key.halls.clone_from(before);
+            let signed_in = SignedIn { person: Some(Arc::from("Anna")), ..key.holder(None) };
+            for after in &lists {
+                key.halls.clone_from(after);
+                assert_eq!(key.still_is(&signed_in), before == after, "{before:?} {after:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn halls_are_named_plainly_once_and_not_too_often() {
+        for wrong in ["", " south", "South", "s_1", "1st", "a.b", "a/b", "all ", "*", "ä", &"a".repeat(33), &"ab".repeat(32)] {
+            assert!(matches!(halls(["east", wrong]), Err(AccessError::Hall(_))), "{wrong}");
+        }
+        assert!(matches!(halls(["east", "south", "east"]), Err(AccessError::HallTwice(_))));
+        assert!(matches!(halls([]), Err(AccessError::HallCount(HALLS))));
+        let many: Vec<String> = (0..=HALLS).map(|number| format!("h{number}")).collect();
+        assert!(matches!(halls(many.iter().map(String::as_str)), Err(AccessError::HallCount(HALLS))));
+        assert_eq!(halls(many[1..].iter().map(String::as_str)).unwrap().len(), HALLS);
     }
 
     #[test]
     fn names_are_plain_unlike_and_bounded() {
         let mut keys = keys();
         for wrong in ["", "a b", "a.b", "ä", "a/b", &"a".repeat(33)] {
-            assert!(matches!(keys.add(wrong, Role::Viewer), Err(AccessError::Name(_))), "{wrong}");
+            assert!(matches!(keys.add(wrong, Role::Viewer, None), Err(AccessError::Name(_))), "{wrong}");
         }
-        assert!(matches!(keys.add("lobby", Role::Operator), Err(AccessError::Taken(_))));
+        assert!(matches!(keys.add("lobby", Role::Operator, None), Err(AccessError::Taken(_))));
         let said = keys.rotate("loby").unwrap_err().to_string();
         assert!(said.contains("operator, lobby"), "{said}");
-        let added = (0..MOST).filter(|number| keys.add(&format!("k{number}"), Role::Viewer).is_ok()).count();
+        let added = (0..MOST).filter(|number| keys.add(&format!("k{number}"), Role::Viewer, None).is_ok()).count();
         assert_eq!(added, MOST - 2);
     }
 }

@@ -18,7 +18,7 @@ pub use caller::{Access, Caller};
 pub use error::AccessError;
 pub use file::KeyFile;
 pub use keyring::{Keyring, Opened};
-pub use keys::{Key, Keys, OPERATOR, SignedIn};
+pub use keys::{Key, Keys, OPERATOR, SignedIn, halls};
 pub use moment::{Moment, SESSION_S};
 pub use network::{Network, is_this_machine};
 pub use role::{Need, Role};

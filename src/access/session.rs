@@ -114,7 +114,7 @@ mod tests {
 
     fn keys() -> Keys {
         let mut keys = Keys::first().unwrap();
-        keys.add("lobby", Role::Viewer).unwrap();
+        keys.add("lobby", Role::Viewer, None).unwrap();
         keys
     }
 
@@ -169,6 +169,28 @@ mod tests {
         assert_eq!(is_open(&keys), [false; 2]);
         keys.remove("lobby").unwrap();
         assert_eq!(is_open(&keys), [false; 2]);
+    }
+
+    /// Safety A1.
+    #[test]
+    fn a_session_has_the_halls_that_its_key_has_now() {
+        let mut all: Vec<_> = keys().iter().cloned().collect();
+        let limit = |all: &mut Vec<Key>, names: &[&str]| {
+            all[1].halls = Some(crate::access::halls(names.iter().copied()).unwrap());
+            Keys::new(all.clone()).unwrap()
+        };
+        let before = Keys::new(all.clone()).unwrap();
+        let after = limit(&mut all, &["south"]);
+        let other = limit(&mut all, &["east"]);
+        for cookie in [cookie(&before), cookie(&after), cookie_before(&before, NOW + SESSION_S)] {
+            let was = opened(&before, "run", &cookie, at(0, 0)).unwrap();
+            for (keys, halls) in [(&after, "south"), (&other, "east")] {
+                let signed_in = opened(keys, "run", &cookie, at(0, 0)).expect("the token is the same");
+                assert_eq!(signed_in.halls.as_deref().map(|halls| halls[0].name()), Some(halls));
+                assert!(!keys.named("lobby").unwrap().still_is(&was), "who was signed in before sees no more than before");
+                assert!(keys.named("lobby").unwrap().still_is(&signed_in));
+            }
+        }
     }
 
     #[test]

@@ -281,6 +281,10 @@ fn the_command_for_keys_says_what_it_cannot_do() {
     assert!(folder.refused(&["rotate", "loby"]).contains("the existing keys are operator, lobby"));
     assert!(folder.refused(&["add", "operator", "--role", "viewer"]).contains("already"));
     assert!(folder.refused(&["add", "a b", "--role", "viewer"]).contains("1 to 32"));
+    let limited = folder.token(&["add", "south-desk", "--role", "operator", "--halls", "south,east"]);
+    assert!(limited.starts_with("south-desk (operator of south, east)\n"), "{limited}");
+    assert!(folder.refused(&["remove", "operator"]).contains("for all halls"));
+    assert!(folder.token(&["rotate", "south-desk"]).starts_with("south-desk (operator of south, east)\n"));
     let output = hallsweep(&["token", "--data", "none"]).output().expect("the program starts");
     assert!(String::from_utf8_lossy(&output.stderr).contains("nothing is stored"), "{output:?}");
     folder.token(&["add", "night-shift", "--role", "operator"]);

@@ -162,7 +162,7 @@ mod tests {
         let mut keys = Keys::first().unwrap();
         let names: Vec<String> = (0..4).map(|number| format!("viewer{number}")).collect();
         for name in &names {
-            keys.add(name, Role::Viewer).unwrap();
+            keys.add(name, Role::Viewer, None).unwrap();
         }
         let caller = |name: &str| Caller::Known(keys.check(keys.named(name).unwrap().token.reveal()).unwrap());
         let access = Access::Keys(Keyring::of(keys.clone()).unwrap());

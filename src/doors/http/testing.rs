@@ -121,7 +121,7 @@ pub(super) struct Tokens {
 /// Returns keys for an operator and for a viewer named `lobby`.
 pub(super) fn keys() -> (Keyring, Tokens) {
     let mut keys = Keys::first().unwrap();
-    let viewer = keys.add("lobby", Role::Viewer).unwrap().token.reveal().to_owned();
+    let viewer = keys.add("lobby", Role::Viewer, None).unwrap().token.reveal().to_owned();
     let operator = keys.named(OPERATOR).unwrap().token.reveal().to_owned();
     (Keyring::of(keys).unwrap(), Tokens { operator, viewer })
 }
