@@ -89,7 +89,7 @@ async fn serve_halls(
     // The keys are opened last, when nothing else can prevent the start. So a key that is created is also shown to
     // the user.
     let access = entry::access(settings)?;
-    entry::check_judges(settings, &access)?;
+    settings.halls().try_for_each(|hall| entry::check_judges(settings, &hall.name, hall.core.rules.safe_by, &access))?;
     let Opened { http: access, mqtt: mqtt_access, entry } = access;
     let start = |hall: OpenHall| hall.start(robot.take(), &threads);
     let halls = join_all(opened.into_iter().map(start)).await;

@@ -5,6 +5,7 @@ use super::AppError;
 use crate::access::{Access, AccessError, KeyFile, Keyring, Role, Token};
 use crate::config::{Broker, HttpSettings, Settings};
 use crate::doors::http::{Front, Tls, TlsError};
+use hallsweep_core::hall::HallId;
 use hallsweep_core::settings::SafeBy;
 
 #[derive(Debug)]
@@ -38,11 +39,11 @@ pub(super) fn access(settings: &Settings) -> Result<Opened, AccessError> {
     Ok(Opened { http: access(settings.http.asks_for_keys), mqtt: access(mqtt_asks), entry })
 }
 
-/// Checks that two judges can be told apart if a *safe* needs two: HTTP and MQTT require keys, and two operators have
-/// one. Over CoAP, which has no keys, nobody can say *safe*. Without a readable file of keys nobody can judge anyway,
+/// Checks that two judges of this hall can be told apart if a *safe* needs two: HTTP and MQTT require keys, and two
+/// operators who see the hall have one. Over CoAP, which has no keys, nobody can say *safe*. Without a readable file of keys nobody can judge anyway,
 /// and the start says so.
-pub(super) fn check_judges(settings: &Settings, opened: &Opened) -> Result<(), AppError> {
-    if settings.hall.core.rules.safe_by == SafeBy::One {
+pub(super) fn check_judges(settings: &Settings, hall: &HallId, safe_by: SafeBy, opened: &Opened) -> Result<(), AppError> {
+    if safe_by == SafeBy::One {
         return Ok(());
     }
     let Access::Keys(keys) = &opened.http else {
@@ -51,8 +52,14 @@ pub(super) fn check_judges(settings: &Settings, opened: &Opened) -> Result<(), A
     if settings.mqtt.broker.is_some() && !mqtt_asks(settings) {
         return Err(AppError::NoKeysForJudges("MQTT", "mqtt.require_password = true, or use --mqtt none"));
     }
-    let operators = keys.keys().iter().filter(|key| key.role == Role::Operator).count();
-    if operators < 2 && !keys.is_unusable() { Err(AppError::TooFewJudges(operators)) } else { Ok(()) }
+    let current = keys.keys();
+    let operators = || current.iter().filter(|key| key.role == Role::Operator);
+    match (operators().count(), operators().filter(|key| key.sees(hall)).count()) {
+        _ if keys.is_unusable() => Ok(()),
+        (all @ ..2, _) => Err(AppError::TooFewJudges(all)),
+        (_, judges @ ..2) => Err(AppError::TooFewJudgesOfHall(judges, hall.clone())),
+        _ => Ok(()),
+    }
 }
 
 fn mqtt_asks(settings: &Settings) -> bool {
@@ -94,4 +101,34 @@ pub(super) fn front(http: &HttpSettings) -> Result<Front, TlsError> {
 
 fn first(keyring: &Keyring) -> Result<Token, AccessError> {
     keyring.keys().named(crate::access::OPERATOR).map(|key| key.token.clone())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::access::{Keys, halls};
+    use crate::config::{Flag, Sources, load};
+
+    /// Safety V4: who does not see a piece cannot judge it.
+    #[test]
+    fn only_operators_who_see_the_hall_count_as_its_judges() {
+        let flags = vec![Flag { flag: "", key: "mqtt.bind", value: "none".to_owned() }];
+        let settings = load(&Sources { flags, ..Sources::default() }).unwrap();
+        let [main, south] = ["main", "south"].map(|name| HallId::new(name).unwrap());
+        let mut keys = Keys::first().unwrap();
+        let said = |keys: &Keys, hall: &HallId, safe_by| {
+            let http = Access::Keys(Keyring::of(keys.clone()).unwrap());
+            let opened = Opened { http, mqtt: Access::Open, entry: FirstAccess::Key };
+            check_judges(&settings, hall, safe_by, &opened).err().map(|error| error.to_string()).unwrap_or_default()
+        };
+        keys.add("watcher", Role::Viewer, None).unwrap();
+        assert!(said(&keys, &main, SafeBy::Two).starts_with("mission.safe_by is 2, but the number of operators' keys is 1:"));
+        keys.add("south-desk", Role::Operator, Some(halls(["south"]).unwrap())).unwrap();
+        assert_eq!(said(&keys, &south, SafeBy::Two), "");
+        let words = "mission.safe_by of the hall `main` is 2, but the number of operators' keys that see this hall is 1:";
+        assert!(said(&keys, &main, SafeBy::Two).starts_with(words));
+        assert_eq!(said(&keys, &main, SafeBy::One), "");
+        keys.add("night-shift", Role::Operator, Some(halls(["east", "main"]).unwrap())).unwrap();
+        assert_eq!(said(&keys, &main, SafeBy::Two), "");
+    }
 }

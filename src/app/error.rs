@@ -10,6 +10,7 @@ use crate::doors::mqtt;
 use crate::robots::Unusable;
 use crate::robots::emulator::EmulatorError;
 use crate::storage::sqlite::OpenError;
+use hallsweep_core::hall::HallId;
 use hallsweep_core::units::MissionId;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,6 +65,12 @@ pub enum AppError {
          operator`, or write mission.safe_by = 1"
     )]
     TooFewJudges(usize),
+    /// There are operators' keys enough, but too few of them see this hall.
+    #[error(
+        "mission.safe_by of the hall `{1}` is 2, but the number of operators' keys that see this hall is {0}: add a key with \
+         `hallsweep token add NAME --role operator`, or write mission.safe_by = 1"
+    )]
+    TooFewJudgesOfHall(usize, HallId),
     #[error(
         "mission {0} in the data folder {path} is under way, and it is no exercise: start hallsweep without --exercise and end the \
          mission with RESET, or choose another folder with --data DIR", path = .1.display()

@@ -43,6 +43,7 @@ impl Failure {
                 | AppError::ClosedFolder(_)
                 | AppError::NoKeysForJudges(..)
                 | AppError::TooFewJudges(_)
+                | AppError::TooFewJudgesOfHall(..)
                 | AppError::MissionNoExercise(..)
                 | AppError::MissionExercise(..)
                 | AppError::ExerciseLost(..),
