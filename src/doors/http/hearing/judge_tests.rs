@@ -8,10 +8,12 @@ use proptest::prelude::*;
 use proptest::sample::select;
 
 use super::*;
-use crate::access::{Access, Keyring, Moment, Person, SESSION_S};
+use crate::access::{Access, Keyring, Keys, Moment, Person, Role, SESSION_S};
 use crate::api::door;
 use crate::api::tests::fixture::searching;
+use crate::doors::http::halls::HallDoor;
 use crate::doors::http::testing::{TestApp, Tokens, app, guarded_app, keys};
+use hallsweep_core::hall::HallId;
 
 /// A request, line by line.
 #[derive(Clone, Debug)]
@@ -468,4 +470,56 @@ async fn a_stop_with_many_wrong_keys_beside_the_right_one_halts() {
         sent.insert(place, credential.as_bytes().to_vec());
         assert!(halts(&judge, &sent.bytes(), usize::MAX), "{place} {credential}");
     }
+}
+
+/// Safety S1, S7, S8.
+#[tokio::test]
+async fn a_stop_halts_the_hall_that_its_path_names_and_no_other_whatever_is_wrong_with_the_path() {
+    let (main, south) = (app(searching()), app(searching()));
+    let judge = judge(&main);
+    let id = |name: &str| HallId::new(name).expect("a plain name");
+    judge.halls.add(id("south"), HallDoor::new(south.door.hall.handle.clone(), south.door.hall.archive.clone(), "depot"));
+    let epochs = || (main.door.hall.handle.epoch().0, south.door.hall.handle.epoch().0);
+    for (route, body) in STOPS {
+        let within = route.strip_prefix("/api/v1").map_or_else(
+            || vec![format!("/halls/south{route}"), format!("//HALLS/South/.{route}/")],
+            |rest| {
+                vec![
+                    format!("/api/v1/halls/south{rest}"),
+                    format!("/halls/south{route}"),
+                    format!("/api//v1/%68alls/SOUTH{rest}"),
+                ]
+            },
+        );
+        for path in within {
+            let before = epochs();
+            let request = format!("POST {path} HTTP/1.1\r\nHost: localhost\r\nContent-Length: {}\r\n\r\n{body}", body.len());
+            assert!(halts(&judge, request.as_bytes(), 7), "{path} {body}");
+            assert_eq!(epochs(), (before.0, before.1 + 1), "{path} {body}");
+        }
+        for path in [format!("/halls/north{route}"), format!("/halls{route}"), format!("/halls/so.uth{route}")] {
+            let (before, request) =
+                (epochs(), format!("POST {path} HTTP/1.1\r\nHost: localhost\r\nContent-Length: {}\r\n\r\n{body}", body.len()));
+            assert!(!halts(&judge, request.as_bytes(), 7), "{path} {body}");
+            assert_eq!(epochs(), before, "{path}");
+        }
+    }
+}
+
+/// Safety A1.
+#[tokio::test]
+async fn a_key_halts_the_halls_that_it_sees() {
+    let id = |name: &str| HallId::new(name).expect("a plain name");
+    let mut keys = Keys::first().unwrap();
+    let token = keys.add("south", Role::Viewer, Some([id("south")].into())).unwrap().token.reveal().to_owned();
+    let main = guarded_app(searching(), Access::Keys(Keyring::of(keys).unwrap()));
+    let south = app(searching());
+    let judge = judge(&main);
+    judge.halls.add(id("south"), HallDoor::new(south.door.hall.handle.clone(), south.door.hall.archive.clone(), "depot"));
+    let before = main.door.hall.handle.epoch();
+    for (path, expected) in [("/h", false), ("/halls/main/h", false), ("/halls/north/h", false), ("/halls/south/h", true)] {
+        let request = format!("POST {path} HTTP/1.1\r\nHost: localhost\r\nAuthorization: Bearer {token}\r\n\r\n");
+        assert_eq!(halts(&judge, request.as_bytes(), 9), expected, "{path}");
+    }
+    assert_eq!(main.door.hall.handle.epoch(), before);
 }
