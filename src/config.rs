@@ -16,11 +16,15 @@ mod bind;
 mod check;
 mod environment;
 mod error;
+mod file;
 mod folder;
+mod given;
+mod halls;
 mod host;
 mod key;
 mod layers;
 mod mqtt;
+mod quick_start;
 mod reading;
 mod robot_address;
 mod robots;
@@ -29,8 +33,10 @@ mod without_effect;
 pub use bind::{Bind, BindAddress, from_here};
 pub use environment::{Flag, Sources};
 pub use error::SettingsError;
+pub use given::DEFAULTS;
+pub use halls::MOST_HALLS;
 pub use key::{KEYS, Key, SettingKind};
-pub use layers::DEFAULTS;
+
 pub use mqtt::{Broker, Login, MqttRouter, MqttSettings, OtherBroker};
 pub use robot_address::{RobotAddress, RobotKind};
 pub use robots::MOST_ROBOTS;
@@ -40,6 +46,8 @@ pub use robots::MOST_ROBOTS;
 pub struct Settings {
     /// The hall to which all addresses lead that name no hall.
     pub hall: HallSettings,
+    /// The other halls; empty by default.
+    pub further_halls: Vec<HallSettings>,
     pub http: HttpSettings,
     /// Address of the CoAP resources, over UDP; `None` for no CoAP door.
     pub coap: Option<Bind>,
@@ -55,6 +63,8 @@ pub struct Settings {
 #[derive(Clone, Debug, PartialEq)]
 pub struct HallSettings {
     pub name: HallId,
+    /// The name that several halls share, for a STOP of all of them.
+    pub group: Option<HallId>,
     /// Name of a built-in hall, or path of a hall file.
     pub file: String,
     /// Column and row of the robot's start, counted from 0 in the north-west corner; `None` for the start in the hall file.
@@ -146,16 +156,8 @@ pub struct PairMishaps {
     pub unrecognised: u32,
 }
 
-impl Settings {
-    /// All halls, the default hall first.
-    pub fn halls(&self) -> impl Iterator<Item = &HallSettings> {
-        std::iter::once(&self.hall)
-    }
-}
-
 pub fn load(sources: &Sources) -> Result<Settings, SettingsError> {
-    let layers = layers::Layers::gather(sources)?;
-    check::checked(&layers)
+    check::checked(&layers::AllGiven::gather(sources)?)
 }
 
 /// Sources of the settings in a real start: an optional file, the environment of this process, and flags.

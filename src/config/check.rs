@@ -11,12 +11,12 @@ use tracing_subscriber::EnvFilter;
 use super::bind::Bind;
 use super::error::SettingsError;
 use super::key::{KEYS, ROBOT, SettingKind};
-use super::layers::Layers;
+use super::layers::{AllGiven, Layers};
 use super::reading::{NumberOrWord, bind, count, number, one_of, read};
 use super::robot_address::RobotKind;
 use super::without_effect::without_effect;
 use super::{Exercise, HallSettings, HttpSettings, OldClients, PairMishaps, Settings, TlsFiles, folder};
-use super::{mqtt, robots};
+use super::{halls, mqtt, robots};
 use hallsweep_core::command::{Strategy, TemperatureReport};
 use hallsweep_core::hall::HallId;
 use hallsweep_core::not_fetched::Fetcher;
@@ -36,11 +36,14 @@ enum Texts {
     Single(String),
 }
 
-pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
+pub(super) fn checked(all: &AllGiven) -> Result<Settings, SettingsError> {
+    let layers = &all.of_the_program();
     check_types(layers)?;
     let store = store(layers)?;
+    let (hall, further_halls) = halls::halls(all, layers, store.as_ref())?;
     Ok(Settings {
-        hall: hall(layers, store.clone())?,
+        hall,
+        further_halls,
         http: http(layers)?,
         coap: coap(layers)?,
         mqtt: mqtt::mqtt(layers)?,
@@ -51,9 +54,10 @@ pub(super) fn checked(layers: &Layers) -> Result<Settings, SettingsError> {
 }
 
 /// The settings of a hall whose data is stored in `folder`.
-fn hall(layers: &Layers, folder: Option<PathBuf>) -> Result<HallSettings, SettingsError> {
-    let settings = HallSettings {
-        name: HallId::new("main").expect("a plain name"),
+pub(super) fn hall(layers: &Layers, name: HallId, folder: Option<PathBuf>) -> Result<HallSettings, SettingsError> {
+    Ok(HallSettings {
+        name,
+        group: halls::group(layers)?,
         file: hall_file(layers)?,
         start: hall_start(layers)?,
         exercise: exercise(layers)?,
@@ -70,9 +74,7 @@ fn hall(layers: &Layers, folder: Option<PathBuf>) -> Result<HallSettings, Settin
         sensors: sensors(layers)?,
         sensor_silence: number(layers, "temperature.sensor_silence_s").map(Duration::from_secs_f64)?,
         without_effect: without_effect(layers)?,
-    };
-    robots::check_apart(layers, &settings)?;
-    Ok(settings)
+    })
 }
 
 /// Checks that every value has the type of its setting; reports the first wrong setting, in the order of the names.

@@ -3,6 +3,7 @@
 //! parsing (`check`), environment variables, command-line flags, the defaults with their comments
 //! (`config/default.toml`), and `docs/settings.md`.
 
+use hallsweep_core::hall::HallId;
 use hallsweep_core::robot::RobotId;
 use hallsweep_core::settings::Rules;
 use hallsweep_core::speed::Speed;
@@ -102,8 +103,20 @@ pub(super) const ROBOTS: &str = "robots";
 /// The section of the searching robot. `[robots.NAME]` has the same keys.
 pub(super) const ROBOT: &str = "robot";
 
+/// The section that names the default hall, and has a subsection for each further hall, such as `[halls.south]`.
+pub(super) const HALLS: &str = "halls";
+
+/// The sections that `[halls.NAME]` can have, because they may differ between the halls.
+const OF_A_HALL: [&str; 7] = ["hall", "console", ROBOT, ROBOTS, "pair", "mission", "temperature"];
+
+/// The setting of `[halls.NAME]` that the top level does not have.
+pub(super) const GROUP: &str = "group";
+
+static GROUP_KEY: Key =
+    text("halls.NAME.group", "write 1 to 32 small letters, digits and hyphens, the first a letter, such as terminal-1");
+
 /// Every setting, in the order of `config/default.toml`.
-pub const KEYS: [Key; 57] = [
+pub const KEYS: [Key; 58] = [
     text("hall.file", "name a built-in hall, such as airport, or the path of a hall file (.toml, .map, .yaml or .txt)")
         .set_by("--hall"),
     text("hall.start", "write column and row, counted from 0 in the north-west corner, such as 3,0; or leave it empty")
@@ -185,6 +198,11 @@ pub const KEYS: [Key; 57] = [
         "log.filter",
         "write a level (error, warn, info, debug, trace) or targets with levels, such as info,hallsweep::doors=debug",
     ),
+    text(
+        "halls.default",
+        "name the hall of the settings outside of [halls.NAME]: 1 to 32 small letters, digits and hyphens, the first a letter, and \
+         not default, such as north; only with a single hall it may be empty",
+    ),
 ];
 
 impl Key {
@@ -193,8 +211,12 @@ impl Key {
     }
 
     /// The setting of this name. A setting of a further robot is described by the setting of `[robot]`:
-    /// `robots.porter.seed` by `robot.seed`, for example.
+    /// `robots.porter.seed` by `robot.seed`, for example. A setting of a hall is described by the setting of the top
+    /// level: `halls.south.hall.file` by `hall.file`.
     pub fn named(name: &str) -> Option<&'static Key> {
+        if let Some((_, own)) = of_a_hall(name) {
+            return if own == GROUP { Some(&GROUP_KEY) } else { may_differ(own).then(|| Key::named(own)).flatten() };
+        }
         let of_a_robot = || {
             let (robot, own) = name.strip_prefix(ROBOTS)?.strip_prefix('.')?.split_once('.')?;
             RobotId::new(robot).map(|_| format!("{ROBOT}.{own}"))
@@ -222,8 +244,38 @@ impl Key {
         sections
     }
 
+    /// Whether the names of settings can begin with `name` and a dot.
+    pub(super) fn is_section(name: &str) -> bool {
+        match (of_a_hall(name), name.split_once('.')) {
+            (Some((_, own)), _) => own.is_empty() || may_differ(own) && Key::is_section(own),
+            (None, Some((section, robot))) => section == ROBOTS && RobotId::new(robot).is_some(),
+            (None, None) => Key::sections().contains(&name),
+        }
+    }
+
+    /// Whether `name` is in `[halls.NAME]`, but in a section of the whole program: `halls.south.http.bind`, for example.
+    pub(super) fn is_misplaced(name: &str) -> bool {
+        of_a_hall(name)
+            .is_some_and(|(_, own)| section(own) != HALLS && !may_differ(own) && Key::sections().contains(&section(own)))
+    }
+
     pub fn advice_for_unknown(name: &str) -> String {
-        let section = name.split('.').next().unwrap_or_default();
+        let section = section(name);
+        if section == HALLS {
+            return match of_a_hall(name) {
+                Some((hall, own)) if may_differ(own) => format!("in [{HALLS}.{hall}], {}", Key::advice_for_unknown(own)),
+                Some((hall, own)) if Key::is_misplaced(name) => {
+                    let section = self::section(own);
+                    format!("[{section}] is for the whole program and not for a hall: set it outside of [{HALLS}.{hall}]")
+                }
+                Some(_) | None => format!(
+                    "[{HALLS}] has the setting halls.default; [{HALLS}.NAME] has the setting {GROUP} and the sections {}, and NAME \
+                     has 1 to {} small letters, digits and hyphens, the first a letter, and is not default",
+                    OF_A_HALL.join(", "),
+                    HallId::MOST
+                ),
+            };
+        }
         if section == ROBOTS {
             let own: Vec<&str> = KEYS.iter().filter_map(|key| key.name.strip_prefix(ROBOT)?.strip_prefix('.')).collect();
             return format!(
@@ -239,6 +291,26 @@ impl Key {
             format!("[{section}] has the settings {}", siblings.join(", "))
         }
     }
+}
+
+/// The name of a hall; `None` if no hall can have this name. `halls.default` is a setting, so it cannot be a hall.
+pub(super) fn hall_name(text: &str) -> Option<HallId> {
+    HallId::new(text).filter(|hall| hall.name() != "default")
+}
+
+/// Splits the name of a setting in `[halls.NAME]` into the hall and the name of the setting within this section.
+pub(super) fn of_a_hall(name: &str) -> Option<(HallId, &str)> {
+    let within = name.strip_prefix(HALLS)?.strip_prefix('.')?;
+    let (hall, own) = within.split_once('.').unwrap_or((within, ""));
+    Some((hall_name(hall)?, own))
+}
+
+fn may_differ(own: &str) -> bool {
+    OF_A_HALL.contains(&section(own))
+}
+
+fn section(name: &str) -> &str {
+    name.split('.').next().unwrap_or_default()
 }
 
 const fn key(name: &'static str, kind: SettingKind, advice: &'static str) -> Key {

@@ -18,21 +18,21 @@ pub(super) enum NumberOrWord {
 }
 
 pub(super) fn read<T: DeserializeOwned>(layers: &Layers, key: &str) -> Result<T, SettingsError> {
-    layers.figment().extract_inner(key).map_err(|_| wrong_type(layers, key))
+    layers.value(key).and_then(|value| value.deserialize().ok()).ok_or_else(|| wrong_type(layers, key))
 }
 
 fn wrong_type(layers: &Layers, key: &str) -> SettingsError {
     let is_whole = Key::named(key).is_some_and(|key| key.kind == SettingKind::Whole);
-    let problem = match layers.figment().find_value(key) {
-        Ok(Value::String(..) | Value::Char(..)) => "it is a text",
-        Ok(Value::Bool(..)) => "it is true or false",
-        Ok(Value::Num(_, Num::F32(_) | Num::F64(_))) if is_whole => "it is not a whole number",
-        Ok(Value::Num(..)) if is_whole => "it is out of range",
-        Ok(Value::Num(_, Num::I128(_) | Num::U128(_))) => "it is out of range",
-        Ok(Value::Num(..)) => "it is a number",
-        Ok(Value::Array(..)) => "it is a list",
-        Ok(Value::Dict(..)) => "it is a table",
-        Ok(Value::Empty(..)) | Err(_) => "it is missing",
+    let problem = match layers.value(key) {
+        Some(Value::String(..) | Value::Char(..)) => "it is a text",
+        Some(Value::Bool(..)) => "it is true or false",
+        Some(Value::Num(_, Num::F32(_) | Num::F64(_))) if is_whole => "it is not a whole number",
+        Some(Value::Num(..)) if is_whole => "it is out of range",
+        Some(Value::Num(_, Num::I128(_) | Num::U128(_))) => "it is out of range",
+        Some(Value::Num(..)) => "it is a number",
+        Some(Value::Array(..)) => "it is a list",
+        Some(Value::Dict(..)) => "it is a table",
+        Some(Value::Empty(..)) | None => "it is missing",
     };
     layers.wrong(key, problem)
 }

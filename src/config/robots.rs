@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::error::SettingsError;
-use super::key::ROBOTS;
+use super::key::{ROBOT, ROBOTS};
 use super::layers::Layers;
 use super::reading::{NumberOrWord, count, number, read, sensing, within};
 use super::robot_address::{RobotKind, robot_address};
@@ -48,18 +48,22 @@ pub(super) fn further(layers: &Layers) -> Result<Vec<(RobotId, RobotSettings)>, 
     names.map(one).collect()
 }
 
-/// Refuses two robots with the same address or the same page, because they would disturb each other.
-pub(super) fn check_apart(layers: &Layers, settings: &HallSettings) -> Result<(), SettingsError> {
-    let mut taken: BTreeMap<String, RobotId> = BTreeMap::new();
-    for (robot, settings) in settings.robots() {
-        let Some(place) = settings.address.place() else { continue };
-        let key = format!("{ROBOTS}.{robot}.address");
-        if let Some(first) = taken.insert(place, robot) {
-            return Err(layers.wrong_with_advice(
-                &key,
-                format!("the robot {first} has this address already"),
-                "give each robot an address of its own",
-            ));
+/// Refuses two robots of the program with the same address or the same page, because they would disturb each other.
+pub(super) fn check_apart(halls: &[(Layers, HallSettings)]) -> Result<(), SettingsError> {
+    let mut taken: BTreeMap<String, String> = BTreeMap::new();
+    for (layers, hall) in halls {
+        for (robot, settings) in hall.robots() {
+            let Some(place) = settings.address.place() else { continue };
+            let section = if robot == RobotId::discovery() { ROBOT.to_owned() } else { format!("{ROBOTS}.{robot}") };
+            let name = if halls.len() == 1 { robot.to_string() } else { format!("{robot} of the hall {}", hall.name) };
+            if let Some(first) = taken.insert(place, name) {
+                let problem = format!("the robot {first} has this address already");
+                return Err(layers.wrong_with_advice(
+                    &format!("{section}.address"),
+                    problem,
+                    "give each robot an address of its own",
+                ));
+            }
         }
     }
     Ok(())

@@ -6,7 +6,7 @@ use super::key::{ROBOT, ROBOTS};
 use super::layers::Layers;
 use super::reading::{read, sensing};
 use super::robot_address::RobotKind;
-use super::robots;
+use super::{Settings, robots};
 use hallsweep_core::search::Sensing;
 
 /// Settings of a robot, each with the kinds of robots for which it has an effect.
@@ -23,7 +23,27 @@ const OF_SOME_KINDS: [(&str, &[RobotKind]); 10] = [
     ("scene", &[RobotKind::VirtualTcp, RobotKind::VirtualWs]),
 ];
 
-/// Settings without effect, as they were given, such as `flag --speed`.
+impl Settings {
+    /// Settings without effect, as they were given. A setting that has no effect in some halls is named with these halls.
+    pub fn without_effect(&self) -> Vec<String> {
+        let mut idle: Vec<(&str, Vec<&str>)> = Vec::new();
+        for hall in self.halls() {
+            for given in &hall.without_effect {
+                match idle.iter_mut().find(|(known, _)| known == given) {
+                    Some((_, halls)) => halls.push(hall.name.name()),
+                    None => idle.push((given, vec![hall.name.name()])),
+                }
+            }
+        }
+        let named = |(given, halls): (&str, Vec<&str>)| {
+            let in_all = halls.len() > self.further_halls.len();
+            if in_all { given.to_owned() } else { format!("{given} (hall {})", halls.join(", hall ")) }
+        };
+        idle.into_iter().map(named).collect()
+    }
+}
+
+/// Settings without effect in a hall, as they were given, such as `flag --speed`.
 pub(super) fn without_effect(layers: &Layers) -> Result<Vec<String>, SettingsError> {
     let mut keys = Vec::new();
     let mut is_any_simulated = false;
@@ -115,7 +135,7 @@ mod tests {
         std::fs::write(&path, "[robots.discovery]\nkind = \"line\"\naddress = \"COM3\"\nspeed = 2\n").expect("it can be written");
         let settings = load(&Sources { file: Some(path.clone()), ..Sources::default() });
         std::fs::remove_file(&path).expect("the file is ours");
-        let expect = format!("robots.discovery.speed in file {}", path.display());
+        let expect = format!("robots.discovery.speed in file {}, line 4", path.display());
         assert_eq!(settings.expect("the program starts").hall.without_effect, [expect]);
     }
 }
