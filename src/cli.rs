@@ -85,12 +85,15 @@ pub enum Subcommands {
 #[derive(Args, Clone, Debug, Default)]
 pub struct Serve {
     /// Name of a built-in hall, or a hall file (.toml, MovingAI .map, ROS .yaml, or the .txt map of old clients).
+    /// If given several times, the program has several halls; each has the name of its file, and the first is the default
+    /// hall.
     #[arg(long, value_name = "HALL")]
-    hall: Option<String>,
-    /// Start cell of the simulated robot: column and row, counted from 0 in the north-west corner.
+    hall: Vec<String>,
+    /// Start cell of the simulated robot: column and row, counted from 0 in the north-west corner; only with one hall.
     #[arg(long, value_name = "COLUMN,ROW", allow_hyphen_values = true)]
     start: Option<String>,
-    /// Run an exercise with this many test pieces in the simulated hall, from 1 to 100; see docs/exercise.md.
+    /// Run an exercise with this many test pieces in the simulated hall, from 1 to 100; only with one hall; see
+    /// docs/exercise.md.
     #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
     exercise: Option<String>,
     /// Address of the console and the API; port 0 chooses a free port.
@@ -199,7 +202,6 @@ impl Serve {
 
     fn flags(&self) -> Vec<Flag> {
         let given = [
-            ("--hall", &self.hall),
             ("--start", &self.start),
             ("--exercise", &self.exercise),
             ("--http", &self.http),
@@ -211,7 +213,8 @@ impl Serve {
         ];
         let given = given.into_iter().chain(self.search.flags());
         let single = given.filter_map(|(flag, value)| Some(Flag::given(flag, value.clone()?)));
-        single.chain(self.robot.as_deref().map(Flag::robot).into_iter().flatten()).collect()
+        let halls = self.hall.iter().map(|hall| Flag::given("--hall", hall.clone()));
+        halls.chain(single).chain(self.robot.as_deref().map(Flag::robot).into_iter().flatten()).collect()
     }
 }
 
@@ -334,6 +337,14 @@ mod tests {
         for (key, _) in given {
             assert!(crate::config::Key::named(key).is_some(), "{key} is no setting");
         }
+    }
+
+    #[test]
+    fn serve_takes_several_halls_and_explore_takes_one() {
+        let halls = flags("hallsweep serve --hall a.toml --seed 1 --hall b.yaml");
+        assert_eq!(halls[..2], [("hall.file", "a.toml".to_owned()), ("hall.file", "b.yaml".to_owned())]);
+        let two = ["hallsweep", "explore", "--hall", "a", "--hall", "b"];
+        assert_eq!(Cli::try_parse_from(two).expect_err("one hall").kind(), clap::error::ErrorKind::ArgumentConflict);
     }
 
     #[test]

@@ -28,7 +28,7 @@ fn announcement(settings: &Settings, doors: Doors, entry: &FirstAccess) -> Strin
 }
 
 fn without_effect(settings: &Settings) -> Option<String> {
-    Some(settings.hall.without_effect.join(", ")).filter(|idle| !idle.is_empty())
+    Some(settings.without_effect().join(", ")).filter(|idle| !idle.is_empty())
 }
 
 fn mqtt(settings: &Settings, doors: Doors, entry: &FirstAccess) -> Option<String> {
