@@ -93,6 +93,15 @@ fn a_further_hall_has_its_own_settings_and_otherwise_those_of_the_top_level() {
 }
 
 #[test]
+fn the_example_on_the_page_of_settings_is_good() {
+    let page = include_str!("../../docs/settings.md");
+    let example = page.split("```toml\n").find(|block| block.contains("[halls]")).and_then(|block| block.split("```").next());
+    let settings = written(example.expect("there is an example")).expect("good");
+    assert_eq!(names(&settings), ["north", "south"]);
+    assert!(settings.halls().all(|hall| hall.group.as_ref().is_some_and(|group| group.name() == "terminal-1")));
+}
+
+#[test]
 fn the_data_of_a_further_hall_is_in_a_folder_within_that_of_the_default_hall() {
     let settings = written(THREE).expect("good");
     let folders: Vec<_> = settings.halls().filter_map(|hall| hall.folder.as_deref()).collect();
