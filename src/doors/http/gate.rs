@@ -141,7 +141,8 @@ pub(super) async fn gate(
         return next.run(request).await;
     }
     let Some(door) = halls.seen_by(&caller, hall.as_ref()) else {
-        return Problem::no_hall().into_response();
+        let first = halls.first_seen_by(&caller).filter(|_| hall.is_none() && path == "/");
+        return first.map_or_else(|| Problem::no_hall().into_response(), |first| Redirect::to(&first).into_response());
     };
     let asked = asked(&request, need).map(|(by, asked)| (issuer(&caller, by, peer), asked));
     if let Err(refused) = allowed(&caller, need) {

@@ -25,6 +25,7 @@ use super::peer::LetIn;
 use super::problem::Problem;
 use super::{HttpDoor, Process, STREAMS, console, map_files, reports, sign_in};
 use crate::access::{Access, Caller};
+use crate::api::address::address;
 use crate::api::halls::{HallJson, HallListJson};
 use crate::doors::connection_limits::{ConnectionBudget, StreamQuota};
 use crate::doors::http::mqtt::Hall;
@@ -187,6 +188,11 @@ impl Halls {
     fn all_seen_by(&self, caller: &Caller) -> Vec<(HallId, Arc<HallDoor>)> {
         let all = self.all.read().unwrap_or_else(PoisonError::into_inner);
         all.iter().filter(|(id, _)| caller.sees(id)).map(|(id, hall)| (id.clone(), Arc::clone(hall))).collect()
+    }
+
+    /// Returns the address of a hall for a caller who may not see the default hall.
+    pub(super) fn first_seen_by(&self, caller: &Caller) -> Option<String> {
+        self.all_seen_by(caller).first().map(|(_, hall)| address(hall.id(), "/"))
     }
 
     fn door(&self, hall: &Arc<HallDoor>) -> HttpDoor {
