@@ -8,7 +8,7 @@ use bytes::{Buf, Bytes, BytesMut};
 use mqtt_gate::packet::Qos;
 use mqtt_gate::packet::connect::Connect;
 use mqtt_gate::packet::write::{self, Welcome};
-use mqtt_gate::{Broker, ClientConnection, CommandDecision, Ended, Epoch, Listener, Rights, Said, Session, Terms, Tier};
+use mqtt_gate::{Broker, ClientConnection, CommandDecision, Ended, Epoch, Listener, Rights, Said, Scope, Session, Terms, Tier};
 
 /// Lets everybody publish and share everything, and takes commands on one topic.
 #[derive(Debug)]
@@ -49,6 +49,7 @@ impl Listener for Printer {
 fn main() -> Result<(), Ended> {
     let terms = Terms {
         tier: Tier::Full,
+        scope: Scope::default(),
         name: "panel".into(),
         has_key: false,
         listener: Arc::new(Printer),

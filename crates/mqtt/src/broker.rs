@@ -88,7 +88,13 @@ impl Broker {
         }
     }
 
-    /// Whether a client may leave a will on this topic. Call this before answering the client's CONNECT.
+    /// Makes connections ask the [`Rights`] again. Call this when an answer of theirs has changed.
+    pub fn rights_changed(&self) {
+        self.readers.note_change();
+    }
+
+    /// Whether a client may leave a will on this topic, if the topic is in its [`Scope`]. Call this before answering
+    /// the client's CONNECT.
     #[must_use]
     pub fn may_leave_will(&self, who: Tier, topic: &str) -> bool {
         filter::topic(topic).is_ok() && self.rights.may_leave_will(who, topic)

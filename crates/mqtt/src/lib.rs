@@ -37,7 +37,7 @@ pub use connection::{AnswerTo, ClientConnection, CommandDecision, Ended, Epoch, 
 pub use frame::{Frame, Malformed, PacketKind, frame};
 pub use message::Message;
 pub use outbox::Outbox;
-pub use rights::{Rights, Tier};
+pub use rights::{Rights, Scope, Tier};
 pub use routed_delivery::{RoutedDelivery, Router};
 pub use subscriber::Subscriber;
 pub use urgent_search::UrgentSearch;

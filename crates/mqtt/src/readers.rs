@@ -70,16 +70,25 @@ impl Readers {
         self.router.as_deref()
     }
 
-    /// A number that changes whenever the readers of any topic may have changed.
+    /// A number that changes whenever the readers of any topic, or the rights, may have changed.
     pub(crate) fn generation(&self) -> u64 {
         self.generation.load(Ordering::Acquire)
     }
 
+    /// Makes all cached readers and rights outdated.
+    pub(crate) fn note_change(&self) {
+        self.generation.fetch_add(1, Ordering::Release);
+    }
+
     /// The readers of a topic. Each reader occurs once, on the best terms of its matching filters (section 3.3.5). A
-    /// filter with No Local does not match messages that its own subscriber published.
+    /// filter with No Local does not match messages that its own subscriber published. A subscriber for which the
+    /// topic does not exist is no reader, and no member of a group. So nobody waits for it, or loses a turn to it.
     pub(crate) fn of(&self, topic: &str, publisher: Option<SubscriberId>) -> TopicReaders {
         let levels: Vec<&str> = topic.split('/').collect();
-        let is_left_out = |holder: &Holder| holder.grant.options.no_local && publisher == Some(holder.subscriber.id());
+        let is_left_out = |holder: &Holder| {
+            let is_own = holder.grant.options.no_local && publisher == Some(holder.subscriber.id());
+            is_own || !holder.subscriber.may_read(topic)
+        };
         let mut found = TopicReaders::default();
         collect(&self.held(), &mut String::with_capacity(topic.len() + 2), &levels, &mut |holders| {
             let mut groups: Vec<(&str, Vec<TopicReader>)> = Vec::new();
@@ -123,7 +132,7 @@ impl Readers {
                 }
             }
         }
-        self.generation.fetch_add(1, Ordering::Release);
+        self.note_change();
     }
 
     pub(crate) fn strike(&self, filter: &str, group: Option<&str>, subscriber: &Arc<Subscriber>) {
@@ -136,7 +145,7 @@ impl Readers {
         if let Some(router) = self.router.as_ref().filter(|_| group.is_none()) {
             router.unsubscribe(filter, subscriber);
         }
-        self.generation.fetch_add(1, Ordering::Release);
+        self.note_change();
     }
 
     fn held(&self) -> MutexGuard<'_, Held> {

@@ -10,7 +10,7 @@
 
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, RwLock};
 use std::task::{Context, Poll, Waker};
 use std::time::Duration;
 
@@ -21,6 +21,7 @@ use super::limits::{
 use super::message::Message;
 use super::message::SubscriberId;
 use super::packet::Qos;
+use super::rights::Scope;
 
 /// Capacity retained by an empty queue, in messages.
 const ROOM: usize = 256;
@@ -63,6 +64,8 @@ pub struct Subscriber {
     forgiven_at_ms: AtomicU64,
     /// Messages that were retained after this stamp may be new to the subscriber, because it missed a message.
     missed: AtomicU64,
+    /// The topics that exist for the client. A later connection of its session may have another scope.
+    scope: RwLock<Scope>,
 }
 
 #[derive(Debug, Default)]
@@ -138,6 +141,7 @@ impl Default for Subscriber {
             forgiven_for_ms: zero(),
             forgiven_at_ms: zero(),
             missed: AtomicU64::new(NOTHING),
+            scope: RwLock::default(),
         }
     }
 }
@@ -145,6 +149,15 @@ impl Default for Subscriber {
 impl Subscriber {
     pub(crate) const fn id(&self) -> SubscriberId {
         self.id
+    }
+
+    /// Whether the client may receive messages on this topic.
+    pub(crate) fn may_read(&self, topic: &str) -> bool {
+        self.scope.read().unwrap_or_else(PoisonError::into_inner).contains(topic)
+    }
+
+    pub(crate) fn set_scope(&self, scope: Scope) {
+        *self.scope.write().unwrap_or_else(PoisonError::into_inner) = scope;
     }
 
     /// Notes that the client is away and may come back. The queue is emptied unless `has_room` is set.

@@ -8,6 +8,7 @@ use super::filter::{self, Shared};
 use super::grant::Grant;
 use super::limits::{FILTER_BYTES, FILTERS};
 use super::readers::Readers;
+use super::rights::Scope;
 use super::subscriber::Subscriber;
 
 /// A subscriber and its filters. Dropping the value removes the filters.
@@ -31,6 +32,15 @@ impl Subscription {
 
     pub(crate) fn held(&self) -> &BTreeMap<Arc<str>, Grant> {
         &self.held
+    }
+
+    /// Sets the topics that exist for the subscriber from now on. Messages that wait already are judged when they go
+    /// out.
+    pub(crate) fn set_scope(&self, scope: Scope) {
+        self.subscriber.set_scope(scope);
+        if !self.held.is_empty() {
+            self.readers.note_change();
+        }
     }
 
     /// Whether the subscriber may hold this filter: it already holds the filter, or there is room within

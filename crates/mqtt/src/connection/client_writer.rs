@@ -10,6 +10,7 @@ use crate::outbox::Outbox;
 use crate::packet::connect::Reception;
 use crate::packet::reason::Reason;
 use crate::packet::{Version, write};
+use crate::rights::Scope;
 use crate::subscriber::Delivery;
 
 #[derive(Debug, Default)]
@@ -18,11 +19,17 @@ pub(super) struct ClientWriter {
     reception: Reception,
     /// Topics that have an alias. The alias of a topic is its index plus 1.
     aliases: Vec<Arc<str>>,
+    scope: Scope,
 }
 
 impl ClientWriter {
-    pub(super) const fn new(version: Version, reception: Reception) -> ClientWriter {
-        ClientWriter { version, reception, aliases: Vec::new() }
+    pub(super) const fn new(version: Version, reception: Reception, scope: Scope) -> ClientWriter {
+        ClientWriter { version, reception, aliases: Vec::new(), scope }
+    }
+
+    /// Whether the client may receive messages on this topic.
+    pub(super) fn may_write(&self, topic: &str) -> bool {
+        self.scope.contains(topic)
     }
 
     pub(super) const fn version(&self) -> Version {

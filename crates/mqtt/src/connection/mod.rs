@@ -42,7 +42,7 @@ use crate::outbox::Outbox;
 use crate::packet::ack::{self, Ack};
 use crate::packet::connect::{Connect, FOR_EVER_S, Will};
 use crate::packet::{disconnect, write};
-use crate::rights::{Payer, Tier};
+use crate::rights::{Payer, Scope, Tier};
 use crate::subscriber::Subscriber;
 use crate::subscription::Subscription;
 
@@ -50,6 +50,8 @@ use crate::subscription::Subscription;
 pub struct Terms {
     /// The tier for which the broker's `Rights` are checked.
     pub tier: Tier,
+    /// The topics that exist for the client.
+    pub scope: Scope,
     /// The client's name in the log. If the client has a key, also the account for its retained messages.
     pub name: Arc<str>,
     /// Whether `name` is the name of a key, which has its own share of the retained messages.
@@ -69,6 +71,7 @@ pub struct Terms {
 /// `poll_…` function.
 pub struct ClientConnection {
     tier: Tier,
+    scope: Scope,
     payer: Payer,
     listener: Arc<dyn Listener>,
     broker: Arc<Broker>,
@@ -108,14 +111,16 @@ impl ClientConnection {
         // The client is back, so a delayed will is not published any more.
         let Session { subscription, unreleased, mut unacknowledged, .. } = terms.session;
         let subscription = subscription.unwrap_or_else(|| Subscription::new(&broker.readers));
+        subscription.set_scope(terms.scope.clone());
         subscription.subscriber().come_back();
-        let mut writer = ClientWriter::new(version, reception);
+        let mut writer = ClientWriter::new(version, reception, terms.scope.clone());
         let mut to_client = Outbox::default();
         to_client.end().extend_from_slice(&terms.greeting);
         unacknowledged.begin(reception.receive_maximum);
         unacknowledged.resend(&mut writer, &mut to_client, now);
         ClientConnection {
             tier: terms.tier,
+            scope: terms.scope,
             payer: if terms.has_key { Payer::Key(Arc::clone(&terms.name)) } else { Payer::Anybody },
             listener: terms.listener,
             broker,

@@ -34,7 +34,7 @@ impl ClientConnection {
         let publish = publish::read(frame, packet, self.writer.version())?;
         let named = self.named(publish)?;
         let publish = Publish { topic: named.as_deref().unwrap_or(publish.topic), ..publish };
-        let told = match self.routes.route(publish.topic, self.tier, &self.broker)? {
+        let told = match self.routes.route(publish.topic, self.tier, &self.scope, &self.broker)? {
             Route::Hear => self.hear(&publish)?,
             Route::Drop(why) => self.drop(&publish, why)?,
             Route::Pass if publish.properties.bytes().len() > PROPERTIES => self.drop(&publish, Dropped::Properties)?,
@@ -80,7 +80,7 @@ impl ClientConnection {
 
     /// Whether this will may be published on its topic. A refusal is logged.
     pub(super) fn may_publish(&mut self, will: &Will) -> bool {
-        let route = self.routes.route(will.topic.as_bytes(), self.tier, &self.broker);
+        let route = self.routes.route(will.topic.as_bytes(), self.tier, &self.scope, &self.broker);
         let is_allowed = self.broker.rights.may_leave_will(self.tier, &will.topic) && route == Ok(Route::Pass);
         if !is_allowed {
             self.refusals.note(will.topic.as_bytes(), "this will is not allowed", &self.broker.lines, self.now);

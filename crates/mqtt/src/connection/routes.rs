@@ -12,7 +12,7 @@ use crate::message::{Message, SubscriberId};
 use crate::packet::reason::Reason;
 use crate::packet::text;
 use crate::readers::TopicReaders;
-use crate::rights::Tier;
+use crate::rights::{Scope, Tier};
 use crate::subscriber::Subscriber;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,6 +49,8 @@ impl Dropped {
 pub(super) struct Routes {
     topic: Arc<str>,
     route: Option<Route>,
+    /// The generation in which the topic was judged.
+    judged: u64,
     /// The topic's readers, as of `generation`.
     readers: TopicReaders,
     generation: Option<u64>,
@@ -66,6 +68,7 @@ impl Default for Routes {
         Routes {
             topic: Arc::from(""),
             route: None,
+            judged: 0,
             readers: TopicReaders::default(),
             generation: None,
             is_unsettled: false,
@@ -77,14 +80,15 @@ impl Default for Routes {
 }
 
 impl Routes {
-    pub(super) fn route(&mut self, topic: &[u8], who: Tier, broker: &Broker) -> Result<Route, Ended> {
-        if let Some(route) = self.route.filter(|_| self.topic.as_bytes() == topic) {
+    pub(super) fn route(&mut self, topic: &[u8], who: Tier, scope: &Scope, broker: &Broker) -> Result<Route, Ended> {
+        let generation = broker.readers.generation();
+        if let Some(route) = self.route.filter(|_| self.judged == generation && self.topic.as_bytes() == topic) {
             return Ok(route);
         }
         self.settle();
         let topic = text(topic, "topic")?;
-        let route = judge(topic, who, broker)?;
-        (self.topic, self.route, self.generation) = (Arc::from(topic), Some(route), None);
+        let route = judge(topic, who, scope, broker)?;
+        (self.topic, self.route, self.judged, self.generation) = (Arc::from(topic), Some(route), generation, None);
         Ok(route)
     }
 
@@ -144,9 +148,13 @@ impl Routes {
     }
 }
 
-fn judge(topic: &str, who: Tier, broker: &Broker) -> Result<Route, Ended> {
+fn judge(topic: &str, who: Tier, scope: &Scope, broker: &Broker) -> Result<Route, Ended> {
     if topic.is_empty() || topic.contains(['+', '#']) {
         return Err(Malformed::Topic.into());
+    }
+    // Decided before the rights, so that the answer is the same whatever the topic is for.
+    if !scope.contains(topic) {
+        return Ok(Route::Drop(Dropped::Forbidden));
     }
     if broker.rights.is_for_commands(topic) {
         return Ok(Route::Hear);

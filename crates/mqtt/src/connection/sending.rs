@@ -77,7 +77,11 @@ impl Unacknowledged {
     }
 
     /// Sends a message. A message that is longer than the client accepts counts as sent (MQTT 5, section 3.1.2.11.4).
+    /// A message on a topic that does not exist for the client is dropped, and leaves no gap in the ids.
     pub(super) fn send(&mut self, delivery: Delivery, cause: Cause, writer: &mut ClientWriter, out: &mut Outbox, now: Duration) {
+        if !writer.may_write(delivery.message.topic()) {
+            return;
+        }
         let id = if delivery.qos == Qos::Zero { 0 } else { self.next_id() };
         let is_said = writer.publish(&delivery, id, false, now, out);
         if is_said && delivery.qos > Qos::Zero {
@@ -87,13 +91,14 @@ impl Unacknowledged {
         }
     }
 
-    /// Sends messages of earlier connections again, as far as the client's window allows.
+    /// Sends messages of earlier connections again, as far as the client's window allows. Since then the client may
+    /// have lost the right to read some of them.
     pub(super) fn resend(&mut self, writer: &mut ClientWriter, out: &mut Outbox, now: Duration) {
         while let Some(next) = self.unsent.front() {
             match &next.delivery {
                 Some(_) if self.sent.len() >= self.window => return,
                 Some(delivery) => {
-                    let is_over = delivery.message.is_over(now);
+                    let is_over = delivery.message.is_over(now) || !writer.may_write(delivery.message.topic());
                     if is_over || !writer.publish(delivery, next.id, true, now, out) {
                         self.unsent.pop_front().into_iter().for_each(|sent| self.forget(sent));
                         continue;

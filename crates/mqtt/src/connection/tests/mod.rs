@@ -10,5 +10,6 @@ mod model;
 mod publishing;
 mod routed_deliveries;
 mod scene;
+mod scopes;
 mod sessions;
 mod subscribing;

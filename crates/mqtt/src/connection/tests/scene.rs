@@ -11,7 +11,7 @@ use crate::frame::{PacketKind, frame};
 use crate::outbox::Outbox;
 use crate::packet::connect::{Connect, FOR_EVER_S};
 use crate::packet::{Qos, Version, ack, publish, write};
-use crate::rights::{Rights, Tier};
+use crate::rights::{Rights, Scope, Tier};
 use crate::{Broker, ClientConnection, CommandDecision, Ended, Epoch, Listener, Said, Session, Terms};
 
 pub(super) const OPERATOR: Tier = Tier::Full;
@@ -85,6 +85,7 @@ pub(super) fn broker() -> Arc<Broker> {
 fn terms(tier: Tier, listener: Arc<TestListener>) -> Terms {
     Terms {
         tier,
+        scope: Scope::default(),
         name: Arc::from("tests"),
         has_key: false,
         listener,
