@@ -93,6 +93,12 @@ impl Broker {
         self.readers.note_change();
     }
 
+    /// Multiplies the room for the program's retained messages, `limits::PROGRAM_KEPT` and its bytes. For a program
+    /// that publishes the same topics for several things.
+    pub fn set_program_room(&self, times: usize) {
+        self.retained.set_program_room(times);
+    }
+
     /// Whether a client may leave a will on this topic, if the topic is in its [`Scope`]. Call this before answering
     /// the client's CONNECT.
     #[must_use]

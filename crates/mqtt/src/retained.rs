@@ -42,6 +42,8 @@ struct Shelf {
     shares: HashMap<Arc<str>, Used>,
     clients: Used,
     program: Used,
+    /// How often the program has the room `PROGRAM_KEPT` and `PROGRAM_KEPT_BYTES`; 0 counts as 1.
+    program_room: usize,
     /// No message expires before this time.
     first_over: Option<Duration>,
     /// No search for expired messages before this time.
@@ -107,6 +109,10 @@ impl Retained {
     /// A stamp that is lower than the stamp of any message retained from now on.
     pub(crate) fn stamp(&self) -> u64 {
         self.stamp.load(Ordering::Acquire)
+    }
+
+    pub(crate) fn set_program_room(&self, times: usize) {
+        self.shelf().program_room = times;
     }
 
     #[cfg(test)]
@@ -178,7 +184,10 @@ impl Shelf {
             Payer::Key(name) => self.shares.get(name).copied().unwrap_or_default(),
         };
         let (count_most, bytes_most) = match &entry.payer {
-            Payer::Program => (PROGRAM_KEPT, PROGRAM_KEPT_BYTES),
+            Payer::Program => {
+                let times = self.program_room.max(1);
+                (times * PROGRAM_KEPT, times * PROGRAM_KEPT_BYTES)
+            }
             Payer::Key(_) if !share.has_room(bytes, KEPT_LITTLE, KEPT_LITTLE_BYTES) => {
                 (KEPT - KEPT_RESERVE, KEPT_BYTES - KEPT_RESERVE_BYTES)
             }

@@ -190,6 +190,8 @@ fn what_the_program_says_has_room_whatever_others_have_kept_and_an_end_as_well()
     assert!(retained.say(&Payer::Program, "state/0", b"newer", Qos::One));
     let more = (0..2 * PROGRAM_KEPT).filter(|n| retained.say(&Payer::Program, &format!("more/{n}"), b"x", Qos::One)).count();
     assert_eq!(more, PROGRAM_KEPT - ours, "and so is their number");
+    retained.set_program_room(2);
+    assert!(retained.say(&Payer::Program, "state/more", &mebibyte, Qos::One), "unless there is more room");
     assert!(!retained.say(&ANYBODY, "a/0", &vec![0; 4 * mebibyte.len()], Qos::Zero));
     assert!(all(&retained, "a/0", 0).is_empty(), "what it said before is not so any more");
 }
