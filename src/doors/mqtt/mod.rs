@@ -22,6 +22,7 @@ mod rights;
 #[cfg(feature = "rumqttd-router")]
 mod rumqttd;
 pub mod session;
+pub mod topic_map;
 pub mod topics;
 
 pub use clients::Clients;

@@ -13,21 +13,18 @@ pub(super) const fn tier(role: Role) -> Tier {
     }
 }
 
+/// The rights at a broker with one hall. `topic_map` has the rights at a broker with several.
 impl Rights for Topics {
     fn is_for_commands(&self, topic: &str) -> bool {
-        match self.kind_of(topic) {
-            TopicKind::Command(_) | TopicKind::Word | TopicKind::Old => true,
-            TopicKind::Ours | TopicKind::Elsewhere => false,
-        }
+        is_for_commands(self.kind_of(topic))
     }
 
     fn may_publish(&self, who: Tier, topic: &str) -> bool {
         may_publish(who, self.kind_of(topic))
     }
 
-    /// A will on a command topic is refused, because its sender is absent when it is published.
     fn may_leave_will(&self, who: Tier, topic: &str) -> bool {
-        self.kind_of(topic) == TopicKind::Elsewhere && who == Tier::Full
+        may_leave_will(who, self.kind_of(topic))
     }
 
     /// Subscriptions to the program's own topics may not be shared, because each reader must get all messages.
@@ -37,7 +34,16 @@ impl Rights for Topics {
     }
 }
 
-const fn may_publish(who: Tier, kind: TopicKind<'_>) -> bool {
+pub(super) const fn is_for_commands(kind: TopicKind<'_>) -> bool {
+    matches!(kind, TopicKind::Command(_) | TopicKind::Word | TopicKind::Old)
+}
+
+/// A will on a command topic is refused, because its sender is absent when it is published.
+pub(super) fn may_leave_will(who: Tier, kind: TopicKind<'_>) -> bool {
+    kind == TopicKind::Elsewhere && who == Tier::Full
+}
+
+pub(super) const fn may_publish(who: Tier, kind: TopicKind<'_>) -> bool {
     match kind {
         TopicKind::Command(_) | TopicKind::Word | TopicKind::Old => true,
         TopicKind::Elsewhere => matches!(who, Tier::Full),

@@ -43,7 +43,8 @@ pub struct ChangeFeed {
     is_announced: bool,
     states: States,
     events: Events,
-    old: Old,
+    /// `None` for a further hall, which has no old topics.
+    old: Option<Old>,
     home_assistant_feed: Option<HomeAssistantFeed>,
 }
 
@@ -61,12 +62,12 @@ impl ChangeFeed {
     pub fn new(topics: Topics, home_assistant: bool) -> ChangeFeed {
         ChangeFeed {
             home_assistant_feed: home_assistant.then(|| HomeAssistantFeed::new(&topics)),
+            old: topics.has_old().then(Old::default),
             topics,
             snapshot: None,
             is_announced: false,
             states: States::default(),
             events: Events::default(),
-            old: Old::default(),
         }
     }
 
@@ -74,7 +75,9 @@ impl ChangeFeed {
     /// changed piece is published.
     pub fn handle_state(&mut self, snapshot: Arc<Snapshot>) {
         let older = self.snapshot.as_deref();
-        self.old.handle_state(older, &snapshot);
+        if let Some(old) = &mut self.old {
+            old.handle_state(older, &snapshot);
+        }
         if let Some(home_assistant_feed) = &mut self.home_assistant_feed {
             home_assistant_feed.handle_state(older, &snapshot);
         }
@@ -96,7 +99,10 @@ impl ChangeFeed {
                 self.is_announced = true;
                 Some(Publication::kept(topics.availability(), ONLINE))
             }
-            Source::Old => self.old.take(&snapshot, now).map(|message| Publication::passing(topics.old_events(), message)),
+            Source::Old => {
+                let message = self.old.as_mut()?.take(&snapshot, now)?;
+                Some(Publication::passing(topics.old_events(), message))
+            }
             Source::Event => {
                 let line = self.events.take(&snapshot)?;
                 Some(Publication::passing(topics.event(), line).json_of(snapshot.revision.0))
@@ -124,7 +130,9 @@ impl ChangeFeed {
     pub fn renew(&mut self, unacknowledged: u64) {
         self.is_announced = false;
         self.states.renew();
-        self.old.renew(unacknowledged, self.snapshot.as_deref());
+        if let Some(old) = &mut self.old {
+            old.renew(unacknowledged, self.snapshot.as_deref());
+        }
         if let Some(home_assistant_feed) = &mut self.home_assistant_feed {
             home_assistant_feed.renew();
         }
@@ -160,7 +168,7 @@ impl ChangeFeed {
     /// listed first in this function wins.
     fn soonest(&self, snapshot: &Snapshot) -> Option<(Duration, Source)> {
         let availability = (!self.is_announced).then_some((Duration::ZERO, Source::Availability));
-        let old = self.old.due(snapshot).map(|due| (due, Source::Old));
+        let old = self.old.as_ref().and_then(|old| old.due(snapshot)).map(|due| (due, Source::Old));
         let event = self.events.due(snapshot).map(|due| (due, Source::Event));
         let state = |resource| Some((self.states.due(resource, snapshot)?, Source::State(resource)));
         let home_assistant_feed =

@@ -10,6 +10,7 @@ use crate::api::state::StateJson;
 use crate::api::tests::fixture::{idle, piece, searching, touch, write};
 use crate::doors::mqtt::topics::TopicKind;
 use hallsweep_core::command::Verdict;
+use hallsweep_core::hall::HallId;
 use hallsweep_core::robot::RobotState;
 use hallsweep_core::snapshot::log::Tone;
 use hallsweep_core::units::{Cell, LuggageId, Revision, WallTime};
@@ -20,6 +21,20 @@ mod numbers;
 
 fn topics() -> Topics {
     Topics::new("hallsweep", "discovery", "unibo/qak")
+}
+
+/// The old topics belong to the default hall.
+#[test]
+fn a_further_hall_publishes_below_its_own_base_and_nothing_for_old_clients() {
+    let topics = Topics::of_further("hallsweep/halls", &HallId::new("south").unwrap());
+    let (mut feed, mut snapshot) = (ChangeFeed::new(topics.clone(), true), searching());
+    let first = show(&mut feed, &snapshot, ms(0));
+    touch(&mut snapshot, 9, &Resource::ALL);
+    snapshot.robot.pose.cell.x += 1;
+    feed.renew(2);
+    let all = first.into_iter().chain(show(&mut feed, &snapshot, ms(1000)));
+    let others: Vec<_> = all.filter(|said| !said.topic.starts_with("hallsweep/halls/south/")).map(|said| said.topic).collect();
+    assert!(!others.is_empty() && others.iter().all(|topic| *topic == topics.discovery()), "{others:?}");
 }
 
 fn feed() -> ChangeFeed {

@@ -16,6 +16,7 @@ use tokio::task::JoinHandle;
 
 use super::super::commands::Commands;
 use super::super::publication::LARGEST;
+use super::super::topic_map::TopicMap;
 use super::super::topics::Topics;
 use super::{Parts, Session, SessionLink, Times};
 use crate::runtime::archive::Unreadable;
@@ -24,6 +25,7 @@ use crate::runtime::tests::obedient::{Script, obedient};
 use crate::runtime::tests::partial_archive::PartialArchive;
 use crate::runtime::tests::within::within;
 use hallsweep_core::event::Photo;
+use hallsweep_core::hall::HallId;
 use hallsweep_core::snapshot::Snapshot;
 use hallsweep_core::units::LuggageId;
 use mqtt_gate::packet::Version;
@@ -45,6 +47,19 @@ pub(in super::super) fn topics() -> Topics {
     Topics::new("hallsweep", "discovery", "unibo/qak")
 }
 
+pub(in super::super) fn hall(name: &str) -> HallId {
+    HallId::new(name).unwrap()
+}
+
+/// The topics of the default hall `main`, and of these further halls.
+pub(in super::super) fn map(further: &[&str]) -> TopicMap {
+    let map = TopicMap::new(hall("main"), topics());
+    for name in further {
+        map.add(&hall(name));
+    }
+    map
+}
+
 pub(in super::super) fn publish(topic: &str, payload: &str, id: u16) -> Publish {
     let mut publish = Publish::new(topic, QoS::AtLeastOnce, payload);
     publish.pkid = id;
@@ -54,9 +69,13 @@ pub(in super::super) fn publish(topic: &str, payload: &str, id: u16) -> Publish 
 impl TestApp {
     /// Runs a session with this broker. Must be called inside a runtime.
     pub(super) fn run(snapshot: Snapshot, broker: SocketAddr, times: Times) -> TestApp {
+        TestApp::run_for(topics(), snapshot, broker, times)
+    }
+
+    pub(super) fn run_for(topics: Topics, snapshot: Snapshot, broker: SocketAddr, times: Times) -> TestApp {
         let (handle, script) = obedient(snapshot);
         let (give, answers) = mpsc::channel(16);
-        let commands = Commands::new(handle, topics(), true, give);
+        let commands = Commands::new(handle, topics.clone(), true, give);
         let session = Session::new(Parts {
             link: SessionLink {
                 version: Version::Three,
@@ -67,7 +86,7 @@ impl TestApp {
                 client_id: "hallsweep-discovery".to_owned(),
             },
             commands,
-            topics: topics(),
+            topics,
             home_assistant: true,
             states: script.publish.subscribe(),
             answers,

@@ -6,7 +6,7 @@ use rumqttc::{ConnectReturnCode, Packet, PubAck};
 
 use super::super::topics::HOME_ASSISTANT_STATUS;
 use super::Times;
-use super::testing::{TestApp, TestBroker, publish, topics};
+use super::testing::{TestApp, TestBroker, hall, map, publish, topics};
 use crate::api::tests::fixture::{idle, searching, touch};
 use hallsweep_core::command::Command;
 use hallsweep_core::world::resource::Resource;
@@ -162,4 +162,21 @@ async fn home_assistant_is_shown_the_last_photo_and_told_of_the_robot_when_it_st
     assert_eq!((&photo.payload[..], photo.retain), (&b"\x89PNG"[..], true));
     peer.says(Packet::Publish(publish(HOME_ASSISTANT_STATUS, "online", 1))).await;
     assert!(peer.until(&topics().discovery()).await.retain);
+}
+
+#[tokio::test]
+async fn a_further_hall_publishes_and_obeys_under_its_own_topics() {
+    let broker = TestBroker::open().await;
+    let topics = map(&[]).add(&hall("south"));
+    let app = TestApp::run_for(topics.clone(), idle(), broker.address(), Times::default());
+    let (mut peer, connect, filters) = broker.principal().await;
+    assert_eq!(connect.last_will.map(|will| will.topic), Some("hallsweep/halls/south/availability".to_owned()));
+    let all = ["hallsweep/halls/south/command", "hallsweep/halls/south/command/+", HOME_ASSISTANT_STATUS];
+    assert_eq!(filters[..3], all, "and nothing of the old topics");
+    for topic in [topics.state(Resource::Robot), topics.discovery()] {
+        peer.until(&topic).await;
+    }
+    peer.says(Packet::Publish(publish(&topics.command("stop"), "", 7))).await;
+    peer.until(&topics.result("stop")).await;
+    assert_eq!(app.script.given.lock().unwrap().len(), 1);
 }
