@@ -39,7 +39,7 @@ pub use entry::FirstAccess;
 use entry::Opened;
 pub use error::{AppError, Port};
 use hall::{Hall, OpenHall};
-use mqtt::Mqtt;
+use mqtt::{Mqtt, MqttHall};
 use ports::Ports;
 pub use ports::{BoundPort, Doors, raise_descriptors};
 use threads::Threads;
@@ -99,8 +99,15 @@ async fn serve_halls(
     let resources = || Resources::new(hall.handle.clone(), hall.reader.clone(), settings.old_clients.manual_driving);
     let coap = coap::open(coap, &threads.coap, resources, secret, hall.handle.watch(), ending.subscribe())?;
     let mqtt_ports = listeners(mqtt, &threads.mqtt)?;
-    let (handle, reader) = (hall.handle.clone(), hall.reader.clone());
-    let mqtt = Mqtt::open(settings, mqtt_ports, mqtt_access, &threads, budget, handle, reader, ending.subscribe())?;
+    let mut mqtt_halls = settings.halls().zip(&halls).map(|(of, hall)| MqttHall {
+        name: of.name.clone(),
+        handle: hall.handle.clone(),
+        archive: hall.reader.clone(),
+        safe_by: of.core.rules.safe_by,
+    });
+    let default = mqtt_halls.next().expect("the default hall is first");
+    let further = mqtt_halls.collect();
+    let mqtt = Mqtt::open(settings, mqtt_ports, mqtt_access, &threads, budget, default, further, ending.subscribe())?;
     let http = listeners(http, &threads.http)?;
     let http_halls = http::Halls::new(settings.hall.name.clone(), hall.door(), access, mqtt.as_ref().and_then(Mqtt::hall));
     for (of, hall) in settings.halls().zip(&halls).skip(1) {
