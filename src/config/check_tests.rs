@@ -368,6 +368,8 @@ fn topics_are_called_by_plain_words_and_old_ones_do_not_lie_among_new_ones() {
         let said = message(&environment(&format!("HALLSWEEP__MQTT__{name}"), wrong));
         assert!(said.contains("it is not a valid part of a topic"), "{said}");
     }
+    let said = message(&environment("HALLSWEEP__MQTT__ID", "halls"));
+    assert!(said.contains("mixed with the topics of further halls"), "{said}");
     for among in ["hallsweep", "hallsweep/old"] {
         assert!(
             message(&environment("HALLSWEEP__MQTT__OLD_PREFIX", among)).contains("mixed with the topics of mqtt.prefix"),

@@ -13,6 +13,9 @@ const PLAIN: u16 = 1883;
 
 const ENCRYPTED: u16 = 8883;
 
+/// Further halls have their topics under `PREFIX/halls`, in place of an id.
+const HALLS: &str = "halls";
+
 /// Maximum length of a prefix. A longer prefix would leave too little space for the rest of a topic.
 const LONGEST: usize = 64;
 
@@ -88,7 +91,7 @@ pub(super) fn mqtt(layers: &Layers) -> Result<MqttSettings, SettingsError> {
     let prefix = name(layers, "mqtt.prefix", true)?;
     Ok(MqttSettings {
         broker,
-        id: name(layers, "mqtt.id", false)?,
+        id: id(layers)?,
         old_prefix: old_prefix(layers, &prefix)?,
         prefix,
         home_assistant: read(layers, "mqtt.home_assistant")?,
@@ -165,6 +168,15 @@ fn name(layers: &Layers, key: &str, slashes: bool) -> Result<String, SettingsErr
         return Err(layers.wrong(key, "it is not a valid part of a topic"));
     }
     Ok(written)
+}
+
+/// Reads the id of the default hall. It must not be the level below which further halls have their topics.
+fn id(layers: &Layers) -> Result<String, SettingsError> {
+    let id = name(layers, "mqtt.id", false)?;
+    if id == HALLS {
+        return Err(layers.wrong("mqtt.id", "these topics would be mixed with the topics of further halls"));
+    }
+    Ok(id)
 }
 
 /// Reads the prefix of the old topics. Neither prefix may be below the other, since old and new topics would be
