@@ -49,7 +49,10 @@ impl Scene {
         let topics = map.add(&hall("south"));
         let (answers, results) = mpsc::channel(16);
         halls.add(&hall("south"), Commands::new(handle, topics.clone(), true, answers));
-        let key = |name, role| Key::new(name, role, Token::draw().unwrap()).unwrap();
+        let key = |name: &str, role| Key {
+            halls: name.strip_prefix("only-").map(|only| [hall(only)].into()),
+            ..Key::new(name, role, Token::draw().unwrap()).unwrap()
+        };
         let operators = [OPERATOR, "only-south", "only-main", "only-north"].map(|name| key(name, Role::Operator));
         let keys = operators.into_iter().chain([key("wall", Role::Viewer)]).collect();
         Scene { halls, main, south, topics, results, keyring: Keyring::of(Keys::new(keys).unwrap()).unwrap() }

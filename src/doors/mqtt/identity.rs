@@ -66,7 +66,7 @@ impl Identity {
             return Scope::default();
         }
         let (caller, topics) = (self.0.clone(), topics.clone());
-        Scope::of(move |topic| topics.hall_of(topic).is_none_or(|hall| sees(&caller, &hall)))
+        Scope::of(move |topic| topics.hall_of(topic).is_none_or(|hall| caller.sees(&hall)))
     }
 
     pub(super) fn listener(&self, halls: &Halls, from: IpAddr) -> Arc<dyn Listener> {
@@ -74,12 +74,6 @@ impl Identity {
         let publisher = Publisher::Known { caller: self.0.clone(), from };
         Arc::new(CommandListener { halls: halls.clone(), scope: self.scope(halls.topics()), caller: self.0.clone(), publisher })
     }
-}
-
-/// Whether a client may see a hall. TODO(merge): this is `caller.sees(hall)`; until then the key `only-NAME` sees the
-/// hall NAME alone in tests.
-fn sees(caller: &Caller, hall: &HallId) -> bool {
-    !cfg!(test) || caller.name().strip_prefix("only-").is_none_or(|only| only == hall.name())
 }
 
 struct CommandListener {
@@ -92,7 +86,7 @@ struct CommandListener {
 impl CommandListener {
     /// Returns the commands of the hall to which a topic belongs; `None` if there is no such hall for this client.
     fn commands_on(&self, topic: &str) -> Option<(HallId, Arc<Commands>)> {
-        self.halls.on(topic).filter(|(hall, _)| sees(&self.caller, hall))
+        self.halls.on(topic).filter(|(hall, _)| self.caller.sees(hall))
     }
 
     /// Returns the topic that the client requested for an answer, if the client may publish there.
