@@ -10,7 +10,7 @@ use tokio::runtime::Handle;
 use tokio::sync::mpsc;
 
 use super::*;
-use crate::access::{Access, Caller, Key, Keyring, Keys, OPERATOR, Role, Token};
+use crate::access::{Access, Caller, Keyring, Keys, OPERATOR, Role};
 use crate::api::tests::fixture::{idle, touch};
 use crate::doors::mqtt::commands::ResultMessage;
 use crate::doors::mqtt::hearing::Hearing;
@@ -49,13 +49,12 @@ impl Scene {
         let topics = map.add(&hall("south"));
         let (answers, results) = mpsc::channel(16);
         halls.add(&hall("south"), Commands::new(handle, topics.clone(), true, answers));
-        let key = |name: &str, role| Key {
-            halls: name.strip_prefix("only-").map(|only| [hall(only)].into()),
-            ..Key::new(name, role, Token::draw().unwrap()).unwrap()
-        };
-        let operators = [OPERATOR, "only-south", "only-main", "only-north"].map(|name| key(name, Role::Operator));
-        let keys = operators.into_iter().chain([key("wall", Role::Viewer)]).collect();
-        Scene { halls, main, south, topics, results, keyring: Keyring::of(Keys::new(keys).unwrap()).unwrap() }
+        let mut keys = Keys::first().unwrap();
+        for only in ["south", "main", "north"] {
+            keys.add(&format!("only-{only}"), Role::Operator, Some([hall(only)].into())).unwrap();
+        }
+        keys.add("wall", Role::Viewer, None).unwrap();
+        Scene { halls, main, south, topics, results, keyring: Keyring::of(keys).unwrap() }
     }
 
     fn token(&self, name: &str) -> String {
