@@ -9,8 +9,7 @@
 use std::net::TcpListener;
 use std::time::Duration;
 
-use futures_util::future::{join_all, select_all};
-use tokio::sync::watch;
+use tokio::sync::{mpsc, watch};
 
 use crate::access;
 use crate::config::{HallSettings, Settings};
@@ -43,6 +42,9 @@ use mqtt::{Mqtt, MqttHall};
 use ports::Ports;
 pub use ports::{BoundPort, Doors, raise_descriptors};
 use threads::Threads;
+
+/// Maximum wait for the links to the robots before requests are answered.
+const FIRST_LINK: Duration = Duration::from_secs(2);
 
 /// Time after which unfinished work, such as drawing a photo, is abandoned at the end of the program.
 const LEFT_BEHIND: Duration = Duration::from_millis(200);
@@ -91,8 +93,11 @@ async fn serve_halls(
     let access = entry::access(settings)?;
     settings.halls().try_for_each(|hall| entry::check_judges(settings, &hall.name, hall.core.rules.safe_by, &access))?;
     let Opened { http: access, mqtt: mqtt_access, entry } = access;
-    let start = |hall: OpenHall| hall.start(robot.take(), &threads);
-    let halls = join_all(opened.into_iter().map(start)).await;
+    let mut halls = Vec::new();
+    for hall in opened {
+        halls.push(hall.start(robot.take(), &threads).await);
+    }
+    find_robots(&halls).await;
 
     let hall = &halls[0];
     let ending = watch::Sender::new(false);
@@ -119,15 +124,13 @@ async fn serve_halls(
 
     let mut signal = None;
     let shutdown = async {
-        // A loop ends by itself only by a mistake in hallsweep. Then the program ends too, so that its next start
-        // continues with what is on record.
-        let loop_ended = select_all(halls.iter().map(|hall| Box::pin(hall.handle.ended())));
+        let mut loop_ended = loop_ended(&halls);
         tokio::select! {
             name = signalled => {
                 tracing::info!(signal = name, "ending");
                 signal = Some(name);
             }
-            _ = loop_ended => {}
+            _ = loop_ended.recv() => {}
         }
         halls.iter().for_each(|hall| hall.halt(signal));
         ending.send_replace(true);
@@ -140,8 +143,39 @@ async fn serve_halls(
     if let Some(mqtt) = mqtt {
         mqtt.ended().await;
     }
-    let ended = join_all(halls.into_iter().map(Hall::ended)).await;
-    if signal.is_some() && ended.into_iter().all(|ended| ended.is_ok()) { Ok(()) } else { Err(AppError::LoopEnded) }
+    let mut is_in_order = signal.is_some();
+    for hall in halls {
+        is_in_order &= hall.ended().await.is_ok();
+    }
+    if is_in_order { Ok(()) } else { Err(AppError::LoopEnded) }
+}
+
+/// Waits for the links to the robots, so that START works as soon as the address is printed. If a robot cannot be
+/// reached, its hall starts without it.
+async fn find_robots(halls: &[Hall]) {
+    let linked = async {
+        for hall in halls {
+            hall.linked().await;
+        }
+    };
+    if tokio::time::timeout(FIRST_LINK, linked).await.is_err() {
+        halls.iter().for_each(Hall::warn_of_missing_robot);
+    }
+}
+
+/// Returns a channel that gets a value when the loop of a hall has ended by itself, which only a mistake in hallsweep
+/// causes. The program ends then, so that its next start continues with what is on record.
+fn loop_ended(halls: &[Hall]) -> mpsc::Receiver<()> {
+    let (tell, told) = mpsc::channel(1);
+    for hall in halls {
+        let (handle, tell) = (hall.handle.clone(), tell.clone());
+        tokio::spawn(async move {
+            handle.ended().await;
+            // The first value is enough.
+            let _ = tell.try_send(());
+        });
+    }
+    told
 }
 
 fn listeners(bound: Vec<TcpListener>, thread: &Thread) -> Result<Listeners, AppError> {

@@ -3,7 +3,6 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
-use std::time::Duration;
 
 use tokio::sync::watch;
 use tokio::task::{JoinError, JoinHandle};
@@ -29,9 +28,6 @@ use hallsweep_core::hold::Hold;
 use hallsweep_core::robot::RobotId;
 use hallsweep_core::state::Venue;
 use hallsweep_core::units::Epoch;
-
-/// Maximum wait for the link to the robot before requests are answered.
-const FIRST_LINK: Duration = Duration::from_secs(2);
 
 /// A hall that can be started: its hall file was read, and its data folder is open.
 pub(super) struct OpenHall {
@@ -71,9 +67,7 @@ impl OpenHall {
         Ok(OpenHall { id, settings, robots, kept })
     }
 
-    /// Starts the core and the robots. `other` replaces the searching robot of the settings. Waits a moment for the
-    /// link to that robot, so that START works as soon as the address is printed. If the robot cannot be reached, the
-    /// hall starts without it.
+    /// Starts the core and the robots. `other` replaces the searching robot of the settings.
     pub(super) async fn start(self, other: Option<Adapter>, threads: &Threads) -> Hall {
         let OpenHall { id, settings, robots, kept } = self;
         let halter = Halter::new(kept.epoch());
@@ -81,16 +75,22 @@ impl OpenHall {
         let venue = robots.venue();
         let (course, coursed) = watch::channel(Course::default());
         let (handle, task, simulator) = start(id, &settings, robots, other, kept, &halter, coursed, threads).await;
-        let mut states = handle.watch();
-        let linked = states.wait_for(|state| !state.mission.holds.contains(&Hold::RobotLink));
-        if tokio::time::timeout(FIRST_LINK, linked).await.is_err() {
-            tracing::warn!(hall = &*venue.name, "the robot has not been reached yet");
-        }
         Hall { handle, reader, task, settings, venue, simulator, halter, course }
     }
 }
 
 impl Hall {
+    pub(super) async fn linked(&self) {
+        // If the loop has ended, there is nothing to wait for.
+        let _ = self.handle.watch().wait_for(|state| !state.mission.holds.contains(&Hold::RobotLink)).await;
+    }
+
+    pub(super) fn warn_of_missing_robot(&self) {
+        if self.handle.snapshot().mission.holds.contains(&Hold::RobotLink) {
+            tracing::warn!(hall = self.settings.name.name(), "the robot has not been reached yet");
+        }
+    }
+
     pub(super) fn door(&self) -> HallDoor {
         let Venue { name, cell_m, is_reckoned, robots, .. } = &self.venue;
         HallDoor::new(self.handle.clone(), self.reader.clone(), name)

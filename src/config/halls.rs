@@ -12,7 +12,7 @@ use super::{HallSettings, Settings, robots};
 use hallsweep_core::hall::HallId;
 
 /// Maximum number of halls. All halls share the threads of the engines and of the robots' links, on which a STOP reaches
-/// each robot before anything else (safety S7). A process with 100 halls is measured.
+/// each robot before anything else (safety S7).
 pub const MOST_HALLS: usize = 128;
 
 /// Name of a single hall that nobody has named.

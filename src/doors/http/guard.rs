@@ -23,7 +23,7 @@ use super::language::spoken;
 use super::peer::Peer;
 use super::prefix::local;
 use super::prefix::{is_page, relative};
-use super::problem::{Detail, NO_HALL, Problem, halted, in_words};
+use super::problem::{Detail, Problem, halted, in_words};
 use super::{HttpDoor, Process};
 use crate::api::fields::in_short;
 use crate::phrases::Language;
@@ -186,7 +186,7 @@ async fn for_people(request: Request, next: Next) -> Response {
     parts.headers.insert(header::CONTENT_TYPE, HeaderValue::from_static("text/html; charset=utf-8"));
     // Under a foreign host name STOP would be refused too, and without a hall it would halt nothing. The page must not
     // offer it.
-    let may_stop = parts.status != StatusCode::MISDIRECTED_REQUEST && code != NO_HALL;
+    let may_stop = parts.status != StatusCode::MISDIRECTED_REQUEST && code != "noHall";
     let detail = of_core.map_or_else(|| in_words(language, code, &detail), |refused| language.refused(&refused));
     let title = title(parts.status);
     let page = Astray { language, title, detail, may_stop, here: local(asked.as_deref()) };

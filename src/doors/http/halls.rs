@@ -23,112 +23,13 @@ use axum::response::Response;
 use super::hearing::Arrived;
 use super::peer::LetIn;
 use super::problem::Problem;
-use super::{HttpDoor, Process, STREAMS, console, map_files, reports, sign_in};
-use crate::access::{Access, Caller};
+use super::{HallDoor, HttpDoor, Process};
+use crate::access::Caller;
 use crate::api::address::address;
 use crate::api::halls::{HallJson, HallListJson};
-use crate::doors::connection_limits::{ConnectionBudget, StreamQuota};
-use crate::doors::http::mqtt::Hall;
-use crate::runtime::archive_reader::ArchiveReader;
-use crate::runtime::handle::Handle;
-use crate::runtime::simulator::Simulator;
+use crate::doors::connection_limits::ConnectionBudget;
 use hallsweep_core::hall::HallId;
-use hallsweep_core::settings::Settings;
-use hallsweep_core::state::Participant;
 use hallsweep_core::units::Epoch;
-
-/// Default distance that people must keep from a bomb, in metres. The settings have the same default.
-const EVACUATION_M: f64 = 100.0;
-
-/// What this door needs of one hall.
-pub struct HallDoor {
-    /// Name of the hall in its addresses; `None` for the default hall.
-    id: Option<HallId>,
-    pub(super) handle: Handle,
-    pub(super) archive: ArchiveReader,
-    name: Arc<str>,
-    pub(super) map_files: map_files::MapFiles,
-    pub(super) reports: reports::Reports,
-    /// Side length of a cell in metres, if it is known.
-    cell_m: Option<f64>,
-    /// Whether the positions on the map come from driving times alone, without measured distances.
-    pub(super) is_reckoned: bool,
-    /// Distance from a bomb that people must keep, in metres.
-    pub(super) evacuation_m: f64,
-    pub(super) robots: Arc<[Participant]>,
-    pub(super) began: console::Began,
-    pub(super) timelines: console::Timelines,
-    /// Settings of the mission. They contain the temperature threshold.
-    pub(super) settings: Settings,
-    /// The simulator, if the searching robot is simulated.
-    pub(super) simulator: Option<Arc<dyn Simulator>>,
-}
-
-impl HallDoor {
-    /// Creates the door of a hall. `name` is the name of the hall on the page, unless a simulator reports another name.
-    pub fn new(handle: Handle, archive: ArchiveReader, name: &str) -> HallDoor {
-        HallDoor {
-            id: handle.snapshot().hall.clone(),
-            handle,
-            archive,
-            name: Arc::from(name),
-            map_files: map_files::MapFiles::default(),
-            reports: reports::Reports::default(),
-            cell_m: None,
-            is_reckoned: false,
-            evacuation_m: EVACUATION_M,
-            robots: Arc::default(),
-            began: console::Began::default(),
-            timelines: console::Timelines::default(),
-            settings: Settings::default(),
-            simulator: None,
-        }
-    }
-
-    pub(super) fn id(&self) -> Option<&HallId> {
-        self.id.as_ref()
-    }
-
-    pub fn with_simulator(self, simulator: Option<Arc<dyn Simulator>>) -> HallDoor {
-        HallDoor { simulator, ..self }
-    }
-
-    /// Sets the side length of the hall's cells in metres, if it is known.
-    pub fn with_cells_of(self, cell_m: Option<f64>) -> HallDoor {
-        HallDoor { cell_m, ..self }
-    }
-
-    /// Sets whether the robot knows its position from driving times alone.
-    pub fn with_reckoning(self, is_reckoned: bool) -> HallDoor {
-        HallDoor { is_reckoned, ..self }
-    }
-
-    /// Sets the distance that people must keep from a bomb, in metres.
-    pub fn with_evacuation_of(self, evacuation_m: f64) -> HallDoor {
-        HallDoor { evacuation_m, ..self }
-    }
-
-    /// Sets the robots. The searching robot is the first one.
-    pub fn with_robots(self, robots: Arc<[Participant]>) -> HallDoor {
-        HallDoor { robots, ..self }
-    }
-
-    pub fn with_settings(self, settings: Settings) -> HallDoor {
-        HallDoor { settings, ..self }
-    }
-
-    /// Returns the name of the hall, and the side length of its cells in metres if it is known.
-    pub(super) fn place(&self) -> (Arc<str>, Option<f64>) {
-        match &self.simulator {
-            Some(simulator) => {
-                let state = simulator.watch();
-                let hall = &state.borrow().hall;
-                (Arc::clone(&hall.name), Some(hall.cell_m))
-            }
-            None => (Arc::clone(&self.name), self.cell_m),
-        }
-    }
-}
 
 /// All halls of the process. Cheap to clone; all clones have the same halls.
 #[derive(Clone)]
@@ -140,10 +41,6 @@ pub struct Halls {
 }
 
 impl Halls {
-    pub fn new(default_id: HallId, default: HallDoor, access: Access, mqtt: Option<Hall>) -> Halls {
-        Halls::of(HttpDoor { process: Arc::new(Process::new(access, mqtt)), hall: Arc::new(default) }, default_id)
-    }
-
     /// Creates the table of halls. This door leads to the default hall.
     pub(super) fn of(default: HttpDoor, default_id: HallId) -> Halls {
         let all = Arc::new(RwLock::new(BTreeMap::from([(default_id.clone(), Arc::clone(&default.hall))])));
@@ -154,13 +51,8 @@ impl Halls {
         self.all.write().unwrap_or_else(PoisonError::into_inner).insert(id, Arc::new(hall));
     }
 
-    /// Sets the port and the budget of the door. The port becomes part of the cookie's name. Browsers ignore ports, so
-    /// several instances on one host would otherwise share a cookie.
     pub(super) fn at(self, port: u16, budget: ConnectionBudget) -> Halls {
-        let mut process = Process::clone(&self.process);
-        process.cookie = sign_in::cookie_name(port);
-        process.streams = StreamQuota::new(budget.scaled(STREAMS));
-        Halls { process: Arc::new(process), ..self }
+        Halls { process: Arc::new(self.process.at(port, budget)), ..self }
     }
 
     /// Returns the door of the default hall.

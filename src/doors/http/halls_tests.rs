@@ -1,11 +1,13 @@
+//! What the name of a hall in a path does, and what a key without that hall can learn of it: nothing.
+
 use axum::body::Body;
 use axum::http::Response;
 
-use super::super::routes::table;
-use super::super::testing::{TestApp, app, guarded_app, leads, read, send, text};
 use super::*;
 use crate::access::{Access, Keyring, Keys, Need, OPERATOR, Role};
 use crate::api::tests::fixture::searching;
+use crate::doors::http::routes::table;
+use crate::doors::http::testing::{TestApp, app, guarded_app, leads, read, send, text};
 use hallsweep_core::command::Command;
 use hallsweep_core::snapshot::Snapshot;
 

@@ -12,9 +12,6 @@ pub(super) use crate::doors::problem::Problem;
 use crate::phrases::Language;
 use hallsweep_core::refused::{CODES, Refused};
 
-/// Problem code for a hall that does not exist, or that the key does not see.
-pub(super) const NO_HALL: &str = "noHall";
-
 /// Added to the response of a problem, so that a browser can get a page instead of JSON.
 #[derive(Clone, Debug)]
 pub(super) struct Detail {
@@ -45,7 +42,7 @@ impl Problem {
     /// The same bytes for a hall that does not exist and for a hall that this key does not see.
     pub(super) fn no_hall() -> Problem {
         let detail = "there is no hall of this name, or this key does not see it: /api/v1/halls lists the halls that it sees";
-        Problem::new((NO_HALL, ProblemKind::NotFound), detail.to_owned())
+        Problem::new(("noHall", ProblemKind::NotFound), detail.to_owned())
     }
 
     pub(super) const fn foreign(detail: String) -> Problem {

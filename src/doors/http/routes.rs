@@ -8,7 +8,7 @@ use std::borrow::Cow;
 use axum::Router;
 use axum::handler::Handler;
 use axum::http::{HeaderMap, Method};
-use axum::middleware::from_fn_with_state;
+use axum::middleware::{from_fn, from_fn_with_state};
 use axum::routing::{MethodFilter, MethodRouter, on};
 
 use super::gate::{Gate, gate};
@@ -233,6 +233,12 @@ pub(super) fn routes(halls: &Halls) -> Router {
         rows.into_iter().fold(router, route).method_not_allowed_fallback(problem::no_such_method.layer(gated(need)))
     };
     with(with(Router::new(), open, Nothing), guarded, See).fallback(problem::no_such_path.layer(gated(See)))
+}
+
+/// Adds the layer that takes the name of a hall out of the path. A layer of a router runs after its route is found, so
+/// these routes are the fallback of a router with nothing but the layer.
+pub(super) fn entered(guarded: Router) -> Router {
+    Router::new().fallback_service(guarded).layer(from_fn(halls::enter))
 }
 
 fn get<H: Handler<T, ()>, T: 'static>(path: impl Into<Cow<'static, str>>, need: Need, handler: H) -> RouteRow {

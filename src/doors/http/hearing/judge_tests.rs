@@ -11,7 +11,7 @@ use super::*;
 use crate::access::{Access, Keyring, Keys, Moment, Person, Role, SESSION_S};
 use crate::api::door;
 use crate::api::tests::fixture::searching;
-use crate::doors::http::halls::HallDoor;
+use crate::doors::http::HallDoor;
 use crate::doors::http::testing::{TestApp, Tokens, app, guarded_app, keys};
 use hallsweep_core::hall::HallId;
 
