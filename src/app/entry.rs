@@ -40,8 +40,8 @@ pub(super) fn access(settings: &Settings) -> Result<Opened, AccessError> {
 }
 
 /// Checks that two judges of this hall can be told apart if a *safe* needs two: HTTP and MQTT require keys, and two
-/// operators who see the hall have one. Over CoAP, which has no keys, nobody can say *safe*. Without a readable file of keys nobody can judge anyway,
-/// and the start says so.
+/// operators who see the hall have one. Over CoAP, which has no keys, nobody can say *safe*. Without a readable file of
+/// keys nobody can judge anyway, and the start says so.
 pub(super) fn check_judges(settings: &Settings, hall: &HallId, safe_by: SafeBy, opened: &Opened) -> Result<(), AppError> {
     if safe_by == SafeBy::One {
         return Ok(());

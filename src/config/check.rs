@@ -41,12 +41,17 @@ pub(super) fn checked(all: &AllGiven) -> Result<Settings, SettingsError> {
     check_types(layers)?;
     let store = store(layers)?;
     let (hall, further_halls) = halls::halls(all, layers, store.as_ref())?;
+    let mqtt = mqtt::mqtt(layers)?;
+    if further_halls.iter().any(|hall| hall.name.name() == mqtt.id) {
+        let problem = "a further hall has this name, and a name stands for one hall at Home Assistant";
+        return Err(layers.wrong_with_advice("mqtt.id", problem, "give the hall another name, or set another mqtt.id"));
+    }
     Ok(Settings {
         hall,
         further_halls,
         http: http(layers)?,
         coap: coap(layers)?,
-        mqtt: mqtt::mqtt(layers)?,
+        mqtt,
         old_clients: OldClients { manual_driving: read(layers, "old_clients.manual_driving")? },
         store,
         log: log(layers)?,

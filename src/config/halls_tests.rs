@@ -351,3 +351,10 @@ fn settings_without_effect_are_named_with_the_halls_in_which_they_have_none() {
     let both = format!("{text}[halls.north.robot]\nkind = \"line\"\naddress = \"a:2\"\n");
     assert_eq!(idle(&both), ["flag --speed", variable]);
 }
+
+#[test]
+fn a_further_hall_never_has_the_id_of_the_default_hall_at_home_assistant() {
+    let said = refused("[halls]\ndefault = \"north\"\n[halls.discovery]\n");
+    assert!(said.contains("mqtt.id = \"discovery\"") && said.contains("another name"), "{said}");
+    written("[halls]\ndefault = \"north\"\n[halls.discovery]\n[mqtt]\nid = \"r2\"\n").expect("good");
+}

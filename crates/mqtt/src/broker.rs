@@ -99,7 +99,7 @@ impl Broker {
         self.retained.set_program_room(times);
     }
 
-    /// Whether a client may leave a will on this topic, if the topic is in its [`Scope`]. Call this before answering
+    /// Whether a client may leave a will on this topic, if the topic is in its `Scope`. Call this before answering
     /// the client's CONNECT.
     #[must_use]
     pub fn may_leave_will(&self, who: Tier, topic: &str) -> bool {
