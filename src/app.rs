@@ -12,7 +12,7 @@ use std::time::Duration;
 use tokio::sync::{mpsc, watch};
 
 use crate::access;
-use crate::config::{HallSettings, Settings};
+use crate::config::Settings;
 use crate::doors::coap::Resources;
 use crate::doors::connection_limits::ConnectionBudget;
 use crate::doors::http;
@@ -37,7 +37,7 @@ pub use emulator::emulate;
 pub use entry::FirstAccess;
 use entry::Opened;
 pub use error::{AppError, Port};
-use hall::{Hall, OpenHall};
+use hall::{Hall, OpenHall, PreparedHall};
 use mqtt::{Mqtt, MqttHall};
 use ports::Ports;
 pub use ports::{BoundPort, Doors, raise_descriptors};
@@ -62,14 +62,18 @@ pub fn serve_robot(settings: &Settings, robot: Adapter, announce: impl FnOnce(Do
 }
 
 fn serve_with(settings: &Settings, robot: Option<Adapter>, announce: impl FnOnce(Doors, &FirstAccess)) -> Result<(), AppError> {
+    let default = PreparedHall::new(&settings.hall, mqtt::note(settings));
+    let further = settings.further_halls.iter().map(|hall| PreparedHall::new(hall, None));
+    let halls = std::iter::once(default).chain(further).collect::<Result<_, _>>()?;
     let runtime = threads::ordinary().map_err(AppError::System)?;
-    let served = runtime.block_on(serve_halls(settings, robot, announce));
+    let served = runtime.block_on(serve_halls(settings, halls, robot, announce));
     runtime.shutdown_timeout(LEFT_BEHIND);
     served
 }
 
 async fn serve_halls(
     settings: &Settings,
+    halls: Vec<PreparedHall>,
     mut robot: Option<Adapter>,
     announce: impl FnOnce(Doors, &FirstAccess),
 ) -> Result<(), AppError> {
@@ -82,20 +86,17 @@ async fn serve_halls(
     let signalled = signals::listen().map_err(AppError::System)?;
     let secret = access::chance()?;
 
-    let notes = |is_default: bool| mqtt::note(settings).filter(|_| is_default).into_iter().collect();
-    let open = |(place, hall): (usize, &HallSettings)| {
-        let id = (place > 0).then(|| hall.name.clone());
-        OpenHall::open(id, hall, entry::unusable(settings), notes(place == 0))
-    };
-    let opened: Vec<OpenHall> = settings.halls().enumerate().map(open).collect::<Result<_, _>>()?;
+    let unusable = entry::unusable(settings);
+    let opened = halls.into_iter().map(|hall| hall.open(unusable.clone())).collect::<Result<Vec<OpenHall>, _>>()?;
     // The keys are opened last, when nothing else can prevent the start. So a key that is created is also shown to
     // the user.
     let access = entry::access(settings)?;
     settings.halls().try_for_each(|hall| entry::check_judges(settings, &hall.name, hall.core.rules.safe_by, &access))?;
     let Opened { http: access, mqtt: mqtt_access, entry } = access;
     let mut halls = Vec::new();
-    for hall in opened {
-        halls.push(hall.start(robot.take(), &threads).await);
+    for (of, hall) in settings.halls().zip(opened) {
+        let id = (!halls.is_empty()).then(|| of.name.clone());
+        halls.push(hall.start(id, robot.take(), &threads).await);
     }
     find_robots(&halls).await;
 

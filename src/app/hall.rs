@@ -29,10 +29,16 @@ use hallsweep_core::robot::RobotId;
 use hallsweep_core::state::Venue;
 use hallsweep_core::units::Epoch;
 
-/// A hall that can be started: its hall file was read, and its data folder is open.
+/// A hall whose hall file was read. Its data folder is not in use yet.
+pub(super) struct PreparedHall {
+    settings: HallSettings,
+    robots: Robots,
+    /// For an operator.
+    notes: Vec<String>,
+}
+
+/// A hall that can be started: its data folder is open.
 pub(super) struct OpenHall {
-    /// Name of the hall in its addresses; `None` for the default hall.
-    id: Option<HallId>,
     settings: HallSettings,
     robots: Robots,
     kept: DataFolder,
@@ -50,26 +56,30 @@ pub(super) struct Hall {
     course: watch::Sender<Course>,
 }
 
-impl OpenHall {
-    /// Opens the hall. `id` is its name in its addresses, and `None` for the default hall. `keys` is the reason why nobody can sign in, if there is one: then nothing may move. `notes` are
-    /// for an operator.
-    pub(super) fn open(
-        id: Option<HallId>,
-        settings: &HallSettings,
-        keys: Option<String>,
-        notes: Vec<String>,
-    ) -> Result<OpenHall, AppError> {
+impl PreparedHall {
+    /// Reads the hall, and archives old missions. This happens before any door is open, because no answer of a door may
+    /// wait for archiving.
+    pub(super) fn new(settings: &HallSettings, notes: Option<String>) -> Result<PreparedHall, AppError> {
         let settings = exercise::settled(settings)?;
-        let mut robots = Robots::of(&settings)?;
+        let robots = Robots::of(&settings)?;
         let notes = data_folder::write_out_old(&settings).into_iter().chain(notes).collect();
-        let mut kept = DataFolder::open(&settings, &mut robots, keys, notes)?;
-        kept.are_tests_known = exercise::check(&settings, &kept)?;
-        Ok(OpenHall { id, settings, robots, kept })
+        Ok(PreparedHall { settings, robots, notes })
     }
 
-    /// Starts the core and the robots. `other` replaces the searching robot of the settings.
-    pub(super) async fn start(self, other: Option<Adapter>, threads: &Threads) -> Hall {
-        let OpenHall { id, settings, robots, kept } = self;
+    /// Opens the data folder. `keys` is the reason why nobody can sign in, if there is one: then nothing may move.
+    pub(super) fn open(self, keys: Option<String>) -> Result<OpenHall, AppError> {
+        let PreparedHall { settings, mut robots, notes } = self;
+        let mut kept = DataFolder::open(&settings, &mut robots, keys, notes)?;
+        kept.are_tests_known = exercise::check(&settings, &kept)?;
+        Ok(OpenHall { settings, robots, kept })
+    }
+}
+
+impl OpenHall {
+    /// Starts the core and the robots. `id` is the name of the hall in its addresses, and `None` for the default hall.
+    /// `other` replaces the searching robot of the settings.
+    pub(super) async fn start(self, id: Option<HallId>, other: Option<Adapter>, threads: &Threads) -> Hall {
+        let OpenHall { settings, robots, kept } = self;
         let halter = Halter::new(kept.epoch());
         let reader = ArchiveReader::new(Arc::clone(&kept.archive));
         let venue = robots.venue();
