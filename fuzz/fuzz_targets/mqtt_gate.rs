@@ -12,8 +12,8 @@ use mqtt_gate::limits::{ANSWER_ROOM, CLIENT_PACKET, FILTERS, UNRELEASED};
 use mqtt_gate::packet::connect::{self, Connect};
 use mqtt_gate::packet::{Qos, Version, publish, write};
 use mqtt_gate::{
-    Announcement, Broker, ClientConnection, CommandDecision, Ended, Epoch, PacketKind, Listener, Rights, Said, Session, Terms, Tier, filter,
-    frame,
+    Announcement, Broker, ClientConnection, CommandDecision, Ended, Epoch, Listener, PacketKind, Rights, Said, Scope, Session,
+    Terms, Tier, filter, frame,
 };
 
 fuzz_target!(|bytes: &[u8]| {
@@ -90,7 +90,11 @@ impl Play {
         }
         let connect = connect.unwrap_or_default();
         let terms = Terms { has_key: first & 4 != 0, ..terms(tier, connect.clone(), Session::default()) };
-        let mut reader = ClientConnection::new(self::terms(Tier::Full, Connect::default(), Session::default()), Arc::clone(&broker), Duration::ZERO);
+        let mut reader = ClientConnection::new(
+            self::terms(Tier::Full, Connect::default(), Session::default()),
+            Arc::clone(&broker),
+            Duration::ZERO,
+        );
         let mut everything = BytesMut::new();
         write::subscribe(&mut everything, 1, &[("#", Qos::Two)]);
         reader.handle_client(&mut everything, Duration::ZERO).expect("it may");
@@ -139,7 +143,8 @@ impl Play {
 
     /// Breaks the connection and reconnects the client.
     fn come_back(&mut self) {
-        let new = |session| ClientConnection::new(terms(self.tier, self.connect.clone(), session), Arc::clone(&self.broker), self.now);
+        let new =
+            |session| ClientConnection::new(terms(self.tier, self.connect.clone(), session), Arc::clone(&self.broker), self.now);
         let mut gone = std::mem::replace(&mut self.connection, new(Session::default()));
         gone.handle_end(Ended::Gone, self.now);
         let session = gone.into_session().unwrap_or_default();
@@ -210,5 +215,6 @@ fn terms(tier: Tier, connect: Connect, session: Session) -> Terms {
         connect,
         session,
         greeting: Bytes::new(),
+        scope: Scope::default(),
     }
 }
