@@ -15,9 +15,6 @@ use hallsweep_core::hall::HallId;
 /// each robot before anything else (safety S7).
 pub const MOST_HALLS: usize = 128;
 
-/// Name of a single hall that nobody has named.
-const SINGLE: &str = "main";
-
 impl Settings {
     /// All halls, the default hall first.
     pub fn halls(&self) -> impl Iterator<Item = &HallSettings> {
@@ -33,7 +30,7 @@ pub(super) fn halls(
     store: Option<&PathBuf>,
 ) -> Result<(HallSettings, Vec<HallSettings>), SettingsError> {
     let mut further = all.halls();
-    let default = default(top, further.iter().find(|name| name.name() != SINGLE))?;
+    let default = default(top, further.iter().find(|name| **name != HallId::main()))?;
     further.remove(&default);
     if let Some(last) = further.last().filter(|_| further.len() >= MOST_HALLS) {
         let advice = format!("configure at most {MOST_HALLS} halls, and run another hallsweep for the others");
@@ -64,7 +61,7 @@ fn default(top: &Layers, further: Option<&HallId>) -> Result<HallId, SettingsErr
     }
     match further {
         Some(further) => Err(top.wrong(key, format!("there is a further hall, {further}, so the other one needs a name too"))),
-        None => Ok(hall_name(SINGLE).expect("it is a valid name")),
+        None => Ok(HallId::main()),
     }
 }
 

@@ -11,9 +11,6 @@ use hallsweep_core::hall::HallId;
 use hallsweep_core::units;
 use mqtt_gate::Epoch;
 
-/// The name of the only hall, if nobody has named it.
-const ONLY: &str = "main";
-
 /// Number of changes of epochs that are remembered. A command that arrived before that is refused as outdated if a STOP
 /// has ever come.
 const REMEMBERED: usize = 256;
@@ -101,8 +98,7 @@ impl Halls {
 /// A program with one hall.
 impl From<Commands> for Halls {
     fn from(commands: Commands) -> Halls {
-        let name = HallId::new(ONLY).expect("the name of the only hall is a valid name");
-        Halls::new(TopicMap::new(name, commands.topics().clone()), commands)
+        Halls::new(TopicMap::new(HallId::main(), commands.topics().clone()), commands)
     }
 }
 
